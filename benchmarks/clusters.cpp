@@ -1,6 +1,6 @@
-// Points that crowd in a small part of the box beside as many uniform ones with the same number of neighbours: building the search,
-// updating it, all pairs, all neighbours of each, and two models. Nanoseconds per point; a counting sort of the points beside, and
-// all pairs by it from scratch.
+// Points that crowd in a small part of the box beside as many uniform ones with the same number of neighbours: building
+// the search, updating it, all pairs, all neighbours of each, and two models. Nanoseconds per point; a counting sort of
+// the points beside, and all pairs by it from scratch.
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,9 @@
 //     gridlock_bench_exact [N …]        default: 1024 10000 100000 1000000
 //     gridlock_bench_exact --start FILE COLLISIONS BLOCK REPEATS
 //
-// The second form goes on from a file of extended XYZ, for COLLISIONS that do not count and then for REPEATS blocks of BLOCK
-// collisions, and prints the time of each, the compressibility factor βP/ρ and the state's hash: edmd.py reads them.
+// The second form goes on from a file of extended XYZ, for COLLISIONS that do not count and then for REPEATS blocks of
+// BLOCK collisions, and prints the time of each, the compressibility factor βP/ρ and the state's hash: edmd.py reads
+// them.
 
 #include <algorithm>
 #include <cmath>

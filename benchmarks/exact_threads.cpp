@@ -1,5 +1,5 @@
-// The engine `exact` on one thread and on several, in turns: nanoseconds of a collision by the clock, how many times as fast several
-// threads are, and whether both end in the same state.
+// The engine `exact` on one thread and on several, in turns: nanoseconds of a collision by the clock, how many times as
+// fast several threads are, and whether both end in the same state.
 //
 //     gridlock_bench_exact_threads [THREADS [N …]]        default: 2 100000 1000000
 
@@ -18,7 +18,8 @@
 namespace gridlock::benchmark {
 namespace {
 
-/// About n disks of diameter 1 with Maxwell velocities in a periodic box: on a square lattice, which melts, or a crystal.
+/// About n disks of diameter 1 with Maxwell velocities in a periodic box: on a square lattice, which melts, or a
+/// crystal.
 State start(double packing_fraction, std::uint64_t n, bool is_crystal) {
   auto const columns = static_cast<std::uint64_t>(std::lround(std::sqrt(static_cast<double>(n))));
   std::uint64_t const rows = columns / 2 * 2;

@@ -1,5 +1,5 @@
-// Growth of a mixture of disks, half of diameter D, half of 1.4 D, from packing fraction 0.40 in a periodic square, on one
-// core: processor time and what came out at each decade of the reduced pressure.
+// Growth of a mixture of disks, half of diameter D, half of 1.4 D, from packing fraction 0.40 in a periodic square, on
+// one core: processor time and what came out at each decade of the reduced pressure.
 //
 //     gridlock_bench_growth [RATE [N [PRESSURE [SEED]]]]      default: 0.002236 1000 1e12 1
 //

@@ -1,7 +1,8 @@
-// The paper's rule beside LAMMPS' granular disks, the same numbers of disks at the same packing fraction. Nanoseconds per
-// disk and step, of processor time; `tiled` takes the paper's step once, and once one in which a disk goes as far as in a
-// step of LAMMPS. The result is the hash of the state; LAMMPS' is not ours to hash. Without LAMMPS (Debian: apt-get
-// install lammps) there is nothing to compare with. To be run from the root of the repository; lammps.py writes the results.
+// The paper's rule beside LAMMPS' granular disks, the same numbers of disks at the same packing fraction. Nanoseconds
+// per disk and step, of processor time; `tiled` takes the paper's step once, and once one in which a disk goes as far
+// as in a step of LAMMPS. The result is the hash of the state; LAMMPS' is not ours to hash. Without LAMMPS (Debian:
+// apt-get install lammps) there is nothing to compare with. To be run from the root of the repository; lammps.py writes
+// the results.
 //
 //     gridlock_bench_lammps [SIDE …]        SIDE × SIDE disks; default: 32 100 316 1000
 
@@ -22,8 +23,8 @@ namespace {
 
 constexpr double packing_fraction = 0.7;
 
-/// In a step of lammps_disks.in the root mean square of a disk's way is √2 thousandths of a diameter; ours is time_step/√2
-/// diameters, since the mean of v² is v_max²/2.
+/// In a step of lammps_disks.in the root mean square of a disk's way is √2 thousandths of a diameter; ours is
+/// time_step/√2 diameters, since the mean of v² is v_max²/2.
 constexpr double time_step_as_in_lammps = 0.002;
 
 /// Seconds LAMMPS says its last run took, processor time of one thread; 0 where it could not be run.

@@ -1,6 +1,5 @@
-// How many bytes a disk takes: the state alone, and the most that was in use while `tiled` took steps. The result is the
-// hash of the state.
-// gridlock_bench_memory N PHI STEPS runs one size.
+// How many bytes a disk takes: the state alone, and the most that was in use while `tiled` took steps. The result is
+// the hash of the state. gridlock_bench_memory N PHI STEPS runs one size.
 
 #include <cstdint>
 #include <cstdio>

@@ -1,6 +1,6 @@
 // What it costs to watch: a million disks by the engine alone, and in a run that reports progress after every chunk of
-// work and samples every observable of the series every 100 steps. Nanoseconds per disk and step, of processor time; the
-// result is the hash of the state, the same for both. gridlock_bench_observers N runs one size.
+// work and samples every observable of the series every 100 steps. Nanoseconds per disk and step, of processor time;
+// the result is the hash of the state, the same for both. gridlock_bench_observers N runs one size.
 
 #include <cstdlib>
 #include <memory>

@@ -1,5 +1,5 @@
-// Updating the grid and visiting every pair within the cutoff, at about six neighbours an agent: the paper's layout, the
-// packed grid and, where it is installed, nanoflann's k-d tree. Nanoseconds per agent.
+// Updating the grid and visiting every pair within the cutoff, at about six neighbours an agent: the paper's layout,
+// the packed grid and, where it is installed, nanoflann's k-d tree. Nanoseconds per agent.
 
 #include <algorithm>
 #include <cmath>

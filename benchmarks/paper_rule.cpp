@@ -1,8 +1,8 @@
 // The paper's rule on every grid and engine. Nanoseconds per disk and step, of processor time unless it says wall time;
 // the result is the hash of the state, the same for `stepped` on every grid after the same number of steps, and for
 // `tiled` on any number of threads. gridlock_bench_paper_rule N PHI runs one size, 10000000 0.5 for example, and
-// gridlock_bench_paper_rule N PHI k the lists of that size over the number of cells, N PHI threads one thread beside two,
-// N PHI engines `stepped` beside `tiled` on one thread.
+// gridlock_bench_paper_rule N PHI k the lists of that size over the number of cells, N PHI threads one thread beside
+// two, N PHI engines `stepped` beside `tiled` on one thread.
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
-// Frames of disks written by all ranks into one file through the parallel HDF5, as another way than that of Gridlock, where ranks hand their
-// rows to one writer. Ids, positions and velocities, in the chunks of Gridlock's trajectories. frames_on_ranks.py builds and runs it.
+// Frames of disks written by all ranks into one file through the parallel HDF5, as another way than that of Gridlock,
+// where ranks hand their rows to one writer. Ids, positions and velocities, in the chunks of Gridlock's trajectories.
+// frames_on_ranks.py builds and runs it.
 //
 //     mpirun -n RANKS parallel_hdf5 FILE DISKS FRAMES COMPRESSION
 

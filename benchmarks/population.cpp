@@ -1,5 +1,5 @@
-// One birth and one death at random places among 10⁶ agents: population and grid together, in whole steps of a model, and
-// the memory that 10⁸ of each leave behind.
+// One birth and one death at random places among 10⁶ agents: population and grid together, in whole steps of a model,
+// and the memory that 10⁸ of each leave behind.
 
 #include <cstdio>
 #include <fstream>
@@ -23,8 +23,8 @@ struct Points {
 constexpr double side = 1000.0;
 constexpr double cutoff = 1.4;
 
-/// Agents of which in each step a share dies and as many are born, anywhere; the same random numbers are drawn where it is
-/// zero.
+/// Agents of which in each step a share dies and as many are born, anywhere; the same random numbers are drawn where it
+/// is zero.
 struct InTurns {
   static constexpr std::string_view name = "in turns";
   static constexpr Schedule schedule = Schedule::synchronous;

@@ -1,5 +1,6 @@
-// Soft disks, half of diameter D and half of 1.4 D, from random points of a periodic square: a quench at a packing fraction, and
-// where a pressure is given the decompression to it. Wall time, iterations and what came out, a row for each start.
+// Soft disks, half of diameter D and half of 1.4 D, from random points of a periodic square: a quench at a packing
+// fraction, and where a pressure is given the decompression to it. Wall time, iterations and what came out, a row for
+// each start.
 //
 //     gridlock_bench_soft_disks [N [PACKING_FRACTION [STARTS [PRESSURE [THREADS]]]]]      default: 1024 0.86 3, no decompression, 1
 

@@ -1,5 +1,6 @@
-// All pairs of disks whose rims are near, for disks of unequal size: find_pairs_of_disks() beside find_pairs() with the distance at contact of the
-// largest, of which the near ones are kept. Nanoseconds a disk; the last column is the number of pairs.
+// All pairs of disks whose rims are near, for disks of unequal size: find_pairs_of_disks() beside find_pairs() with the
+// distance at contact of the largest, of which the near ones are kept. Nanoseconds a disk; the last column is the
+// number of pairs.
 //
 //     gridlock_bench_unequal_disks [N]        default: 100000
 

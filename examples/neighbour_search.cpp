@@ -1,4 +1,5 @@
-// All pairs of 100,000 points of your own that are nearer than a cutoff, in a periodic box, and the neighbours of one point.
+// All pairs of 100,000 points of your own that are nearer than a cutoff, in a periodic box, and the neighbours of one
+// point.
 #include "gridlock/grid/neighbour_search.hpp"
 
 #include <cstdio>

@@ -27,12 +27,12 @@ enum class Reaction { none, a_with_b, a_with_a };
 /// Kinetic Monte Carlo by rejection, exact in time: events come at the total rate
 ///     (k_A + k_B)·area + N·(k_d + ν)
 /// after exponential waiting times. An adsorption is tried at a point drawn anywhere and happens if no centre is nearer
-/// than 2R (random sequential adsorption where nothing else is on, Wang 1994, doi:10.1103/PhysRevE.50.3635); a desorption
-/// takes any disk; a hop tries a point uniform in a disk of radius `hop` around the old one, or anywhere if it is 0, and
-/// happens if the disk fits there. A hop onto a partner makes both leave with the given probability.
-/// In equilibrium the coverage θ = NπR²/A follows θ/Φ(θ) = k_a πR²/k_d with the available surface Φ. Between walls centres
-/// lie in the whole box.
-/// A step is a stretch of time: shorter ones cost a new grid each, and change only which random numbers are drawn.
+/// than 2R (random sequential adsorption where nothing else is on, Wang 1994, doi:10.1103/PhysRevE.50.3635); a
+/// desorption takes any disk; a hop tries a point uniform in a disk of radius `hop` around the old one, or anywhere if
+/// it is 0, and happens if the disk fits there. A hop onto a partner makes both leave with the given probability. In
+/// equilibrium the coverage θ = NπR²/A follows θ/Φ(θ) = k_a πR²/k_d with the available surface Φ. Between walls centres
+/// lie in the whole box. A step is a stretch of time: shorter ones cost a new grid each, and change only which random
+/// numbers are drawn.
 struct Catalyst {
   static constexpr std::string_view name = "catalyst";
   static constexpr std::string_view documentation = "Molecules that adsorb, desorb, diffuse and react on a surface.";
@@ -147,7 +147,7 @@ struct Catalyst {
       double const total = adsorption + desorption + hop_rate * static_cast<double>(surface.size());
       if (!(total > 0.0)) return;
       time += random.exponential() / total;
-      // What is left of the last waiting time may be forgotten: an exponential one has no memory.
+      // The rest of the last waiting time may be forgotten: an exponential one has no memory.
       if (time > step_length) return;
       double const which = random.uniform() * total;
       if (which < adsorption) {
@@ -224,7 +224,8 @@ struct Catalyst {
     Vector p;
     if (hop > 0.0) {
       Motion const to = motion(surface.box(), surface.position(id), hop * random.in_unit_disk());
-      // A molecule that would leave the surface stays: mirrored hops would be drawn more often than they are taken back.
+      // A molecule that would leave the surface stays: mirrored hops would be drawn more often than they are taken
+      // back.
       if (to.bounce.x || to.bounce.y) return;
       p = to.end;
     } else {

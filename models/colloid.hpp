@@ -23,10 +23,10 @@ namespace gridlock {
 /// order of the Ids and those of `tiled` tile by tile, so that the engines prove the model interface and vice
 /// versa. The engines are faster; this is the rule on one page.
 ///
-/// In its turn a disk tries `substeps` steps of v dt/substeps. One that would cross a wall turns that component of v back
-/// and ends the turn. One that would overlap a disk ends it too, and the two collide elastically along the line between
-/// their present centres; of several the disk collides with the one nearest to the point it tried, ties to the lower
-/// Id.
+/// In its turn a disk tries `substeps` steps of v dt/substeps. One that would cross a wall turns that component of v
+/// back and ends the turn. One that would overlap a disk ends it too, and the two collide elastically along the line
+/// between their present centres; of several the disk collides with the one nearest to the point it tried, ties to the
+/// lower Id.
 template <Schedule order>
 struct ColloidInOrder {
   using Self = ColloidInOrder;
@@ -66,8 +66,8 @@ struct ColloidInOrder {
     visitor.leave();
   }
 
-  /// Starts are made, not read, and without overlaps. Collisions soon give some disk twice the largest speed: a sub-step in
-  /// which it covers a diameter could jump over a disk.
+  /// Starts are made, not read, and without overlaps. Collisions soon give some disk twice the largest speed: a
+  /// sub-step in which it covers a diameter could jump over a disk.
   void check(Box const& /*box*/) const {
     if (!disks.file.empty()) {
       throw Error({.what = "the model \"" + std::string(name) + "\" starts from no file",

@@ -20,11 +20,11 @@ struct Health {
 /// Walkers that catch a disease from those near them and recover: susceptible → infected → recovered, with births and
 /// deaths.
 ///
-/// In a step of length dt a susceptible agent with k infected ones within the radius is infected with probability
-/// 1 − (1 − β dt)^k, an infected one recovers with probability γ dt, everybody dies with probability μ dt and has a
+/// In a step of length dt a susceptible agent with k infected ones within the radius is infected with probability 1 −
+/// (1 − β dt)^k, an infected one recovers with probability γ dt, everybody dies with probability μ dt and has a
 /// susceptible child beside it with probability μ dt too, if the population is below its bound. The smaller dt, the
-/// nearer to rates in continuous time. Where walkers mix fast, the numbers follow dS/dt = −β n S I/N …, with n = N π r²/A
-/// agents within the cutoff (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
+/// nearer to rates in continuous time. Where walkers mix fast, the numbers follow dS/dt = −β n S I/N …, with n = N π
+/// r²/A agents within the cutoff (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
 struct Epidemic {
   static constexpr std::string_view name = "epidemic";
   static constexpr std::string_view documentation = "Walkers that infect those near them and recover.";

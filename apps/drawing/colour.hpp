@@ -26,8 +26,8 @@ std::span<Colour const> categorical_colours();
 /// J. R. Nuñez et al. 2018, doi:10.1371/journal.pone.0199239.
 Colour viridis(double t);
 
-/// A colour for a direction: hues around a circle, once for t from 0 to 1, with the same colour at both ends. One side is
-/// brighter than the other, so that opposite directions differ for people with colour blindness too.
+/// A colour for a direction: hues around a circle, once for t from 0 to 1, with the same colour at both ends. One side
+/// is brighter than the other, so that opposite directions differ for people with colour blindness too.
 /// Source: B. Ottosson, A perceptual color space for image processing (2020), https://bottosson.github.io/posts/oklab/.
 Colour colour_circle(double t);
 

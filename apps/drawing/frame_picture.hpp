@@ -11,8 +11,8 @@
 
 namespace gridlock {
 
-/// Draws frames of one run, of disks or of any other agents. Agents without a radius get a round mark, in every frame of
-/// the size that suits the first one.
+/// Draws frames of one run, of disks or of any other agents. Agents without a radius get a round mark, in every frame
+/// of the size that suits the first one.
 class FramePainter {
  public:
   /// `colour` is displacement (from the first frame), psi6, speed, direction (of the velocity or heading, in radians),
@@ -22,7 +22,7 @@ class FramePainter {
   FramePainter(Frame first, std::string const& colour);
 
   [[nodiscard]] std::string const& colour() const { return colour_; }
-  /// What the numbers 0, 1, 2 … of the colour's column are called, where it holds kinds.
+  /// The names of the numbers 0, 1, 2 … of the colour's column, where it holds kinds.
   void name_kinds(std::vector<std::string> names) { kind_names_ = std::move(names); }
 
   /// Whether colours stand for numbers.

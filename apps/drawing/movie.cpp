@@ -29,7 +29,7 @@ constexpr char const* maker = "movie";
 /// Longer than any encoder takes for a frame.
 constexpr std::chrono::minutes ffmpeg_timeout{10};
 
-/// What ffmpeg is told for a file of some extension.
+/// The options of ffmpeg for a file of some extension.
 struct Format {
   std::string_view extension;
   std::string_view muxer;
@@ -89,7 +89,7 @@ void require_place(fs::path const& file) {
       .key = "--output"});
 }
 
-/// What ffmpeg complained about last, without the address of the part of it that speaks and without its "failed!".
+/// The last complaint of ffmpeg, without the address of the part of it that speaks and without its "failed!".
 std::string last_words(std::string_view errors) {
   std::string words = "it says no more";
   while (!errors.empty()) {

@@ -16,8 +16,8 @@ struct MovieSettings {
   std::filesystem::path file;         ///< ending in .mp4, .mov, .mkv (H.264), .webm (VP9) or .gif
   std::filesystem::path source = {};  ///< of the trajectory, which is never replaced; empty where it has none
   /// "displacement" from the first frame, "psi6" (the angle-free order |ψ6| around each disk), "speed", "direction" (of
-  /// velocities or headings), "neighbourhood" (the grid cell), "radius", or the name of a column; empty: displacement for
-  /// disks, for other agents their last column of whole numbers, or the direction.
+  /// velocities or headings), "neighbourhood" (the grid cell), "radius", or the name of a column; empty: displacement
+  /// for disks, for other agents their last column of whole numbers, or the direction.
   std::string colour = {};
   std::uint32_t width = 720;  ///< pixels
   std::uint64_t rate = 25;    ///< frames a second
@@ -39,9 +39,9 @@ using OnMovieProgress = std::function<bool(MovieProgress const&)>;
 ///
 /// The file appears under its name when the movie is whole; a movie that is stopped or fails leaves none. Returns
 /// whether it finished or was interrupted.
-/// Errors: Error for a name or place that cannot be, before anything is drawn, for a colour that cannot be, a trajectory
-/// without frames or positions, or where ffmpeg is not installed; RunFailure where it fails. Cost: two passes over the
-/// trajectory.
+/// Errors: Error for a name or place that cannot be, before anything is drawn, for a colour that cannot be, a
+/// trajectory without frames or positions, or where ffmpeg is not installed; RunFailure where it fails. Cost: two
+/// passes over the trajectory.
 RunStatus make_movie(H5mdReader const& trajectory, MovieSettings const& settings,
                      OnMovieProgress const& on_progress = {});
 

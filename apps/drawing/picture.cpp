@@ -53,7 +53,7 @@ bool has_bar(Colouring colouring) { return colouring == Colouring::values || col
 
 bool has_values(Colouring colouring) { return has_bar(colouring) || colouring == Colouring::kinds; }
 
-/// What a list beside the picture says of a colour.
+/// One entry of the legend.
 struct ColourName {
   Colour colour;
   std::string name;
@@ -127,7 +127,7 @@ class DiskColours {
     return settings_.colouring == Colouring::directions ? colour_circle(place) : viridis(place);
   }
 
-  /// What the colours are called, where they stand for single things.
+  /// The names of the colours, where they stand for single things.
   [[nodiscard]] std::vector<ColourName> names() const {
     std::vector<ColourName> names;
     if (settings_.colouring == Colouring::radius && radii_.size() > 1 && radii_.size() <= most_species_colours) {

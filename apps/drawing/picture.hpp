@@ -12,7 +12,7 @@
 
 namespace gridlock {
 
-/// What the colour of a disk says.
+/// The meaning of the colour of a disk.
 enum class Colouring {
   radius,         ///< the kind of disk: one colour for each radius
   neighbourhood,  ///< the grid cell of its centre, so that disks of adjacent cells differ
@@ -38,8 +38,8 @@ struct PictureSettings {
   std::string title;                    ///< one line of plain text above the box; empty: none
 };
 
-/// Draws the box and all its disks; in a periodic box a disk cut by the edge shows on both sides. Walls are a thick line,
-/// periodic edges a dashed one. The height follows from the shape of the box.
+/// Draws the box and all its disks; in a periodic box a disk cut by the edge shows on both sides. Walls are a thick
+/// line, periodic edges a dashed one. The height follows from the shape of the box.
 ///
 /// Disks whose position is not finite are left out, so that a broken state can still be looked at.
 /// Errors: Error for a width outside 16 … 16,384 pixels, or where values and disks differ in number.

@@ -49,7 +49,7 @@ Ends pipe_of(std::string const& program) {
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-/// What a process needs to become the program.
+/// The arguments that a process needs to become the program.
 struct ProgramStart {
   char const* directory;
   int input;  ///< negative: nothing to read
@@ -77,8 +77,8 @@ void reset_signals() {
   sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// Runs in the child between fork and exec; returns only where exec fails. Other threads may have held locks at the fork,
-/// that of malloc too: nothing is called here that takes one.
+/// Runs in the child between fork and exec; returns only where exec fails. Other threads may have held locks at the
+/// fork, that of malloc too: nothing is called here that takes one.
 void become_program(ProgramStart const& start) {
   // Without this the program would outlive a parent that is killed, and finish its file with half of its input.
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return;

@@ -20,7 +20,7 @@ struct ProcessResult {
   std::string errors;      ///< the first 64 KiB of what it wrote to its standard error
 };
 
-/// What a process reads from its standard input.
+/// The standard input of a process.
 enum class ProcessInput {
   nothing,
   pipe,  ///< what write() gives it
@@ -29,8 +29,8 @@ enum class ProcessInput {
 /// A program at work, found through PATH and started without a shell, in the given directory and in a process group of
 /// its own, so that a Ctrl-C meant for this program does not interrupt it.
 ///
-/// Its standard output is thrown away. Where it still runs at the end of the object, its whole group is killed; the program
-/// itself is killed too when the thread that began it ends, by a kill of this process or otherwise.
+/// Its standard output is thrown away. Where it still runs at the end of the object, its whole group is killed; the
+/// program itself is killed too when the thread that began it ends, by a kill of this process or otherwise.
 /// Errors: RunFailure where the system refuses a pipe or a process.
 class ChildProcess {
  public:

@@ -34,8 +34,8 @@ class LastWords {
   int standard_error_;
 };
 
-/// Has columns go back to the system where they are freed. Agents are copied between ranks again and again; an allocator that keeps what is
-/// freed for other sizes holds up to twice of what they need.
+/// Has columns go back to the system where they are freed. Agents are copied between ranks again and again; an
+/// allocator that keeps what is freed for other sizes holds up to twice of what they need.
 void return_large_memory() {
 #if defined(__GLIBC__)
   constexpr int bytes = 1 << 21;

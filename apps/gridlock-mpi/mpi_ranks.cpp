@@ -17,15 +17,15 @@ namespace {
 /// A message has two parts, each with a tag of its own; a short one has no second part.
 constexpr int tag = 0;
 constexpr int tag_of_rest = 1;
-/// A receive of so many bytes is posted before anybody sends: what comes needs neither a look for its length nor another copy, and travels
-/// while this rank computes.
+/// A receive of so many bytes is posted before anybody sends: what comes needs neither a look for its length nor
+/// another copy, and travels while this rank computes.
 constexpr std::size_t bytes_of_first_part = std::size_t{1} << 15;
 
 /// Room that a rank has for messages that nobody has received yet.
 constexpr std::size_t most_bytes_sending = std::size_t{1} << 26;
 
-/// A few microseconds at full speed, then between other processes of this core, and in the end asleep: a rank that waits for
-/// a file to be written, or shares its core, takes nobody's time.
+/// A few microseconds at full speed, then between other processes of this core, and in the end asleep: a rank that
+/// waits for a file to be written, or shares its core, takes nobody's time.
 class Patience {
  public:
   void wait() {

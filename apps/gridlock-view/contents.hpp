@@ -17,8 +17,8 @@ struct ShownRun {
 
 enum class Kind { run, sweep, file };
 
-/// What a path on the command line holds, and which of its files may be served: those on a fixed list of names, inside the
-/// directory. Symbolic links that lead out of it are not followed.
+/// The contents of a path on the command line, and the files of it that may be served: those on a fixed list of names,
+/// inside the directory. Symbolic links that lead out of it are not followed.
 class Contents {
  public:
   /// Errors: Error where there is nothing at the path that can be shown.
@@ -33,8 +33,8 @@ class Contents {
   [[nodiscard]] std::vector<std::string> runs() const;
   [[nodiscard]] std::optional<ShownRun> run(std::string const& id) const;
 
-  /// The place of a file of a run, or of a table where `run` is nothing. Nothing where it is not on the list, missing, no
-  /// regular file, or a link out of the directory.
+  /// The place of a file of a run, or of a table where `run` is nothing. Nothing where it is not on the list, missing,
+  /// no regular file, or a link out of the directory.
   [[nodiscard]] std::optional<std::filesystem::path> find(std::optional<ShownRun> const& run,
                                                           std::string const& name) const;
 

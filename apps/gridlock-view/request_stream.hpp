@@ -12,7 +12,8 @@
 
 namespace gridlock::view {
 
-/// One connection. The head of a request is read here as a whole, within bounds; httplib gets those bytes and no others.
+/// One connection. The head of a request is read here as a whole, within bounds; httplib gets those bytes and no
+/// others.
 class RequestStream final : public httplib::Stream {
  public:
   enum class Head {

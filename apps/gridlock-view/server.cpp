@@ -35,7 +35,8 @@ class CountedQueue final : public httplib::ThreadPool {
   std::atomic<std::size_t>& waiting_;
 };
 
-/// Lets the port be taken again soon after an end, and by no other program beside this one, unlike httplib's own choice.
+/// Lets the port be taken again soon after an end, and by no other program beside this one, unlike httplib's own
+/// choice.
 void choose_socket_options(socket_t socket) {
   int const yes = 1;
   setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));

@@ -21,8 +21,9 @@ struct ConnectionLimits {
 
 /// An HTTP server on the loopback interface, for requests without a body.
 ///
-/// cpp-httplib parses requests and writes answers. What it leaves open is bounded here, before it reads a byte: the size and
-/// the time of a request, the connections that only wait, and a request with a body, after which the connection ends.
+/// cpp-httplib parses requests and writes answers. What it leaves open is bounded here, before it reads a byte: the
+/// size and the time of a request, the connections that only wait, and a request with a body, after which the
+/// connection ends.
 /// `Request::ranges` is always empty: the header `Range` is left to who answers.
 class Server : private httplib::Server {
  public:
@@ -30,11 +31,13 @@ class Server : private httplib::Server {
 
   explicit Server(Answer answer, ConnectionLimits const& limits = {});
 
-  /// Takes a port of 127.0.0.1, any free one for 0. Returns the port, or 0 where it cannot be had; then `errno` says why.
+  /// Takes a port of 127.0.0.1, any free one for 0. Returns the port, or 0 where it cannot be had; then `errno` says
+  /// why.
   int bind(int port);
   /// Answers until stop(). Requires bind().
   void serve();
-  /// From another thread than serve(), which must be called; returns once that listens. Answers that are being written are cut off.
+  /// From another thread than serve(), which must be called; returns once that listens. Answers that are being written
+  /// are cut off.
   void stop();
 
  private:

@@ -66,8 +66,8 @@ std::string type_of(fs::path const& file) {
   return found == types.end() ? "application/octet-stream" : found->second;
 }
 
-/// Whether a header `Host` is a name of the loopback interface, with any port: by an SSH tunnel it is another one, on the machine with
-/// the browser.
+/// Whether a header `Host` is a name of the loopback interface, with any port: by an SSH tunnel it is another one, on
+/// the machine with the browser.
 bool is_loopback(std::string_view host) {
   for (std::string_view const name : {"127.0.0.1", "localhost", "[::1]"}) {
     if (!host.starts_with(name)) continue;
@@ -91,8 +91,8 @@ void set_headers(Response& response) {
   response.set_header("X-Content-Type-Options", "nosniff");
   response.set_header("Referrer-Policy", "no-referrer");
   response.set_header("Cross-Origin-Resource-Policy", "same-origin");
-  // The page asks nobody else for anything, and no other page shows it in a frame. Which scripts of its own it runs, it says itself, by their
-  // hashes.
+  // The page asks nobody else for anything, and no other page shows it in a frame. Which scripts of its own it runs, it
+  // says itself, by their hashes.
   response.set_header(
       "Content-Security-Policy",
       "default-src 'self' data: blob:; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'self' "
@@ -130,7 +130,8 @@ class OpenFile {
 
 constexpr std::size_t bytes_at_a_time = std::size_t{1} << 18;
 
-/// Hands a part of a file to the client, piece by piece. A file that has become shorter meanwhile breaks the answer off.
+/// Hands a part of a file to the client, piece by piece. A file that has become shorter meanwhile breaks the answer
+/// off.
 void send_part(Response& response, std::shared_ptr<OpenFile> file, ByteRange const& part, std::string const& type) {
   auto const provide = [file = std::move(file), part](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
     std::vector<char> bytes(std::min(length, bytes_at_a_time));
@@ -206,7 +207,8 @@ std::optional<std::string> end_of(Contents const& contents, ShownRun const& run)
   }
 }
 
-/// How a run has ended; "unfinished" where it is at work, "abandoned" where it has not ended and no program is at work on it.
+/// How a run has ended; "unfinished" where it is at work, "abandoned" where it has not ended and no program is at work
+/// on it.
 std::string status_of(Contents const& contents, ShownRun const& run) {
   if (auto const end = end_of(contents, run)) return *end;
   if (DirectoryLock::is_held(run.directory)) return "unfinished";

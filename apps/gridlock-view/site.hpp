@@ -21,8 +21,8 @@ namespace gridlock::view {
 ///     /data/runs/ID/trajectory.json?from=K      FrameStore::describe()
 ///     /data/runs/ID/frames/K?columns=x,y        FrameStore::frame()
 ///
-/// Only GET and HEAD, only from this machine's own names, and only from pages of this server: another site that a browser
-/// shows gets nothing, also where it makes its own name one of the loopback interface.
+/// Only GET and HEAD, only from this machine's own names, and only from pages of this server: another site that a
+/// browser shows gets nothing, also where it makes its own name one of the loopback interface.
 class Site {
  public:
   /// `page` is the directory of the built page.
@@ -49,7 +49,7 @@ struct ByteRange {
   std::uint64_t count = 0;
 };
 
-/// What a header `Range` asks of a file of `size` bytes.
+/// The bytes that a header `Range` asks for of a file of `size` bytes.
 struct AskedRange {
   enum class Kind { all, part, beyond } kind = Kind::all;
   ByteRange range;

@@ -62,7 +62,8 @@ gridlock::Setup set_up_soon(gridlock::SettingsFile const& settings) {
   return gridlock::set_up(settings, {.on_slow_start = [](double) { return false; }, .threads = 1});
 }
 
-/// The problems of the runs of a sweep. Of runs that differ in the seed alone only the first says what is wrong with it.
+/// The problems of the runs of a sweep. Of runs that differ in the seed alone only the first says what is wrong with
+/// it.
 class SweepProblems {
  public:
   explicit SweepProblems(gridlock::SweepPlan const& plan) : plan_(plan) {}

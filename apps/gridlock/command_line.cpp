@@ -97,7 +97,7 @@ void add_other_programs(CLI::App& app) {
   }
 }
 
-/// What every program of Gridlock has around its commands.
+/// The frame that every program of Gridlock has around its commands.
 void set_up_app(CLI::App& app, std::string const& name) {
   // Looked up for every command, so that a wrong name of instructions is refused before anything runs.
   app.set_version_flag("--version", fmt::format("{} {}, instructions: {}", name, version(), to_text(target())));
@@ -210,7 +210,7 @@ ExitCode after_printing(ExitCode exit_code) {
   return exit_code == ExitCode::good ? ExitCode::run_failed : exit_code;
 }
 
-/// What a command died of; no text where it has not.
+/// The reason why a command failed; no text where it has not.
 struct Failure {
   ExitCode exit_code = ExitCode::good;
   std::string text;

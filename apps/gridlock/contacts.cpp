@@ -100,7 +100,8 @@ Json local_order(Packing const& packing) {
   return sum / static_cast<double>(packing.size());
 }
 
-/// Up to two wave lengths a diameter, in rings as wide as the longest wave; of many disks fewer, so that it takes seconds.
+/// Up to two wave lengths a diameter, in rings as wide as the longest wave; of many disks fewer, so that it takes
+/// seconds.
 Table spectrum_of(Packing const& packing) {
   constexpr double most_terms = 5e9;
   double const longest = std::max(packing.box.width(), packing.box.height());
@@ -155,7 +156,7 @@ std::string note_on_tolerance(ContactNetwork const& network) {
          "which overlap, need no --tolerance";
 }
 
-/// What a user should know before using the numbers.
+/// Prints notes that a user should read before using the numbers.
 void print_notes(PackingAnalysis const& analysis) {
   ContactNetwork const& network = analysis.network;
   auto const note = [](std::string const& text) { fmt::print(stderr, "note: {}\n", text); };

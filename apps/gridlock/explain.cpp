@@ -26,7 +26,7 @@ namespace gridlock::cli {
 
 namespace {
 
-/// What is written to series.csv: the clock of every run, and all observables.
+/// The columns of series.csv: the clock of every run, and all observables.
 std::vector<ColumnInfo> measured_columns() {
   std::vector<ColumnInfo> columns = clock_columns();
   std::ranges::move(observed_columns(), std::back_inserter(columns));
@@ -51,7 +51,7 @@ std::string observables_markdown() {
   return text;
 }
 
-/// What is measured: one column, or all of them for "observables"; empty for another key.
+/// The explanation of one column, or of all of them for "observables"; empty for another key.
 std::string explained_observables(std::string_view key) {
   std::string text;
   for (ColumnInfo const& column : measured_columns()) {
@@ -107,8 +107,8 @@ std::vector<ColumnElsewhere> columns_of_curves() {
   return columns;
 }
 
-/// The columns that the models add to the series, each at the settings it has by itself; a model that needs settings tells
-/// none.
+/// The columns that the models add to the series, each at the settings it has by itself; a model that needs settings
+/// tells none.
 std::vector<ColumnElsewhere> columns_of_models() {
   std::vector<ColumnElsewhere> columns;
   Configuration const known;
@@ -126,7 +126,7 @@ std::vector<ColumnElsewhere> columns_of_models() {
   return columns;
 }
 
-/// What a protocol adds.
+/// The columns that a protocol adds.
 std::vector<ColumnElsewhere> columns_of_protocols() {
   std::vector<ColumnElsewhere> columns;
   for (ColumnInfo const& entry : protocol_results())
@@ -243,7 +243,8 @@ std::string explained_word(std::string const& key) {
   return fmt::format("{}\n{}", *lacking, names.empty() ? "" : fmt::format("names near to it: {}\n", names));
 }
 
-/// A setting, a table, a column, an engine, an abbreviation or another word that is looked for. Errors: Error for a key that is none of them.
+/// A setting, a table, a column, an engine, an abbreviation or another word that is looked for. Errors: Error for a key
+/// that is none of them.
 std::string explained(std::string const& key) {
   if (auto const name = name_of_abbreviation(key)) return fmt::format("{} is {}\n\n{}", key, *name, explained(*name));
   std::string text = explained_observables(key);

@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How many steps apart to keep about a hundred frames of a run like that of a settings file; every one of a run without
-/// steps, such as a protocol alone, whose only frame is its end.
+/// How many steps apart to keep about a hundred frames of a run like that of a settings file; every one of a run
+/// without steps, such as a protocol alone, whose only frame is its end.
 std::uint64_t steps_between_frames(fs::path const& settings) {
   constexpr std::uint64_t usual = 100;
   try {

@@ -110,14 +110,14 @@ bool is_headline(gridlock::NamedEstimate const& result) {
   return std::ranges::find(headlines, result.name) != std::end(headlines);
 }
 
-/// What the model itself observes, and the headlines of the rest.
+/// The columns that the model itself observes, and the headlines of the rest.
 void print_results(gridlock::RunRecord const& record) {
   for (gridlock::NamedEstimate const& result : record.results) {
     if (is_of_model(result.name) || is_headline(result)) print_estimate(result);
   }
 }
 
-/// What was done: "2000 steps", "2 stages", "1 of 2 stages" or "2 stages and 2000 steps".
+/// The work that was done: "2000 steps", "2 stages", "1 of 2 stages" or "2 stages and 2000 steps".
 std::string work_text(gridlock::RunRecord const& record) {
   gridlock::Preparation const& preparation = record.preparation;
   std::string steps = fmt::format("{} steps", record.steps);

@@ -10,7 +10,7 @@
 
 namespace gridlock::cli {
 
-/// What the commands that carry out one run print during the run and when it has ended.
+/// The output of the commands that carry out one run, during the run and when it has ended.
 class RunOutput {
  public:
   void add_to(CLI::App& verb);

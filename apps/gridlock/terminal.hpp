@@ -22,8 +22,8 @@ class StopSignals {
   static void ask_to_stop();
 };
 
-/// Shows how far the work has come, on standard error: one line redrawn a few times a second on a terminal, a plain line
-/// after a second, and then every ten percent or half minute, where the output goes to a file or pipe.
+/// Shows how far the work has come, on standard error: one line redrawn a few times a second on a terminal, a plain
+/// line after a second, and then every ten percent or half minute, where the output goes to a file or pipe.
 class ProgressLine {
  public:
   ProgressLine();

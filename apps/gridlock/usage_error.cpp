@@ -32,8 +32,8 @@ std::vector<std::string> long_names(CLI::App const& verb) {
   return names;
 }
 
-/// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other
-/// commands.
+/// The name that a user gives an option: "time-step" for --time-step, and "threads" for -j, which means --threads in
+/// other commands.
 std::string name_of(CLI::App const& verb, std::string const& option) {
   std::string name = option.substr(option.find_first_not_of('-'));
   if (name.size() > 1) return name;
@@ -89,7 +89,7 @@ Problem extra_word(CLI::App const& verb, std::string const& word) {
           .hint = hint};
 }
 
-/// What CLI11 says of an option by its name: "--to: 1 required TEXT missing".
+/// The words of CLI11 on an option by its name: "--to: 1 required TEXT missing".
 Problem wrong_number_of_values(CLI::App const& verb, std::string const& said) {
   std::string const name = said.substr(0, said.find(':'));
   CLI::Option const* const option = verb.get_option_no_throw(name);

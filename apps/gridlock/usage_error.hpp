@@ -8,7 +8,7 @@
 
 namespace gridlock::cli {
 
-/// What is wrong with a command line that CLI11 refused, with a hint: the setting that was meant, the option or command
+/// The problem of a command line that CLI11 refused, with a hint: the setting that was meant, the option or command
 /// with nearly the same name, or where the help is.
 Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word);
 

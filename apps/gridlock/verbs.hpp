@@ -51,12 +51,13 @@ void add_contacts(CLI::App& app, ExitCode& exit_code);
 /// As those above.
 using AddCommand = void (*)(CLI::App& app, ExitCode& exit_code);
 
-/// The command line of a program gridlock-NAME that has one command of Gridlock, NAME: its help and its errors are those of
+/// The command line of a program gridlock-NAME that has one command of Gridlock, NAME: its help and its errors are
+/// those of
 /// `gridlock NAME`. Returns the exit code.
 int command_line_of_one(int argc, char** argv, std::string const& name, AddCommand add);
 
-/// The command line of one of several processes that carry out a command together. `failure` is what it printed of its end; empty where it
-/// ended well. Returns the exit code.
+/// The command line of one of several processes that carry out a command together. `failure` is what it printed of its
+/// end; empty where it ended well. Returns the exit code.
 int command_line_of_crew(int argc, char** argv, CrewOptions const& crew, std::string& failure);
 
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.

@@ -1,11 +1,13 @@
-// Steps of `tiled` on the ranks of a simulated cluster. The engine itself runs, every message is sent, and SimGrid's SMPI says how long that would take;
-// what ranks compute takes as long as turns and bytes of messages cost on a real core. Built and started by simulated_ranks.py.
+// Steps of `tiled` on the ranks of a simulated cluster. The engine itself runs, every message is sent, and SimGrid's
+// SMPI says how long that would take; what ranks compute takes as long as turns and bytes of messages cost on a real
+// core. Built and started by simulated_ranks.py.
 //
 //     smpirun -np RANKS … gridlock_bench_simulated_ranks DISKS STEPS NANOSECONDS_OF_TURN NANOSECONDS_OF_BYTE
 //     smpirun -np 1 … gridlock_bench_simulated_ranks DISKS RANKS
 //
-// The former prints ranks, disks, the simulated seconds of a step, messages and bytes of a rank and step with what is handed out and gathered, and the
-// hash of the last state; the latter the mean number of disks of a rank as a share of the largest one.
+// The former prints ranks, disks, the simulated seconds of a step, messages and bytes of a rank and step with what is
+// handed out and gathered, and the hash of the last state; the latter the mean number of disks of a rank as a share of
+// the largest one.
 
 #include <fmt/format.h>
 #include <mpi.h>
@@ -61,7 +63,8 @@ void lead(gridlock::Communicator& ranks, std::size_t disks, std::uint64_t steps)
              bytes / rank_steps, gridlock::hash(state));
 }
 
-/// How evenly the tiles of so many disks in a square lattice are divided: the mean number of disks of a rank as a share of the largest one.
+/// How evenly the tiles of so many disks in a square lattice are divided: the mean number of disks of a rank as a share
+/// of the largest one.
 double balance_of(double disks, std::size_t ranks) {
   gridlock::Box const box(1.0, 1.0, gridlock::Edge::periodic);
   double const radius = std::sqrt(0.7 / (std::numbers::pi * disks));

@@ -28,8 +28,8 @@ struct TableColumn {
   ColumnValues values;
 };
 
-/// Agents whose columns are known at run time only: x and y, and others by name. Otherwise a Population, with the same Ids, the
-/// same hash and the same frames as one with these columns.
+/// Agents whose columns are known at run time only: x and y, and others by name. Otherwise a Population, with the same
+/// Ids, the same hash and the same frames as one with these columns.
 class AgentTable {
  public:
   AgentTable() = default;

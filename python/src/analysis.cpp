@@ -97,8 +97,8 @@ auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) 
 
 using ValuesOfRuns = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-/// Of values and errors of shape (runs, points), an error that is no number for none: mean, error, error by scatter, error
-/// by runs, and χ² of every point.
+/// Of values and errors of shape (runs, points), an error that is no number for none: mean, error, error by scatter,
+/// error by runs, and χ² of every point.
 auto combine_runs(ValuesOfRuns const& values, ValuesOfRuns const& errors) {
   std::size_t const points = values.shape(1);
   auto const number = [](std::optional<double> const& value) { return value.value_or(no_value); };

@@ -26,8 +26,8 @@ namespace nb = nanobind;
 
 /// Whether an array of both components of a position or velocity spans nothing else but columns.
 ///
-/// NumPy takes such an array for shared with whatever lies in between. Where the copy of it that is to be made gets memory there, NumPy
-/// makes another copy first, and another, until the stack ends.
+/// NumPy takes such an array for shared with whatever lies in between. Where the copy of it that is to be made gets
+/// memory there, NumPy makes another copy first, and another, until the stack ends.
 inline bool has_vectors_side_by_side(std::vector<NamedColumn> const& columns) {
   auto const memory_of = [&](std::string_view name) -> void const* {
     auto const found = std::ranges::find(columns, name, &NamedColumn::name);
@@ -51,8 +51,8 @@ class ColumnLender {
   /// Whether somebody holds one of them.
   [[nodiscard]] bool is_held() const { return memory_.use_count() > 1; }
 
-  /// Arrays that are still held keep the values of this moment: `release` puts a copy in the place of the columns and returns
-  /// their memory.
+  /// Arrays that are still held keep the values of this moment: `release` puts a copy in the place of the columns and
+  /// returns their memory.
   template <class Release>
   void take_back(Release release) {
     if (is_held()) memory_->released = release();
@@ -73,7 +73,8 @@ class ColumnLender {
         },
         find(named, name).values);
   }
-  /// Two columns of one type as the columns of an array: the second lies some way behind the first. See has_vectors_side_by_side().
+  /// Two columns of one type as the columns of an array: the second lies some way behind the first. See
+  /// has_vectors_side_by_side().
   nb::object columns(std::vector<NamedColumn> const& named, std::string const& first, std::string const& second) {
     NamedColumn const& a = find(named, first);
     NamedColumn const& b = find(named, second);

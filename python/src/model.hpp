@@ -58,7 +58,8 @@ struct ModelDefinition {
   std::vector<SettingDefinition> settings;
 };
 
-/// Calls a function of Python, for which the lock is held. Errors: an Error of Gridlock as one of C++; others as they are.
+/// Calls a function of Python, for which the lock is held. Errors: an Error of Gridlock as one of C++; others as they
+/// are.
 nb::object call_python(std::function<nb::object()> const& call);
 
 /// What an exception of a model becomes in a run: a RunFailure with the step, and the exception behind it for Python.

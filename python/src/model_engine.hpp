@@ -26,8 +26,9 @@ struct ModelInstance {
 
 /// Advances a world by the method `_step` of a model in Python.
 ///
-/// A step that raises leaves the world as it was before. Ctrl-C within a step is heard after it. Every 32 steps the rows are sorted by
-/// where the agents are, so that neighbours are near in memory; when that happens follows from the step alone.
+/// A step that raises leaves the world as it was before. Ctrl-C within a step is heard after it. Every 32 steps the
+/// rows are sorted by where the agents are, so that neighbours are near in memory; when that happens follows from the
+/// step alone.
 class PythonModelEngine final : public EngineFor<TableModel> {
  public:
   explicit PythonModelEngine(ModelInstance model);

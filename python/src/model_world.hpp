@@ -59,8 +59,8 @@ class ModelWorld {
   void remove(nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu> const& rows);
   void count(std::size_t event, std::uint64_t times);
 
-  /// The step is over: arrays that are still held get memory of their own, and nothing can be asked for any more. Waits for searches that
-  /// other threads have begun.
+  /// The step is over: arrays that are still held get memory of their own, and nothing can be asked for any more. Waits
+  /// for searches that other threads have begun.
   void close();
 
   /// What was asked for; of the rows of deaths each once, in the order of their Ids.
@@ -86,7 +86,8 @@ class ModelWorld {
   std::vector<std::uint64_t> events_ = std::vector<std::uint64_t>(definition_.events.size());
 };
 
-/// A world as a method of a model sees it, until the end of the scope: Python may keep the object, but sees nothing by it then.
+/// A world as a method of a model sees it, until the end of the scope: Python may keep the object, but sees nothing by
+/// it then.
 class ShownWorld {
  public:
   /// `others` are the arguments of ModelWorld after the world.

@@ -11,7 +11,8 @@ namespace gridlock {
 
 /// J₀(√s), the mean of cos(q·r) over all directions for s = q²r², to within 10⁻⁹.
 ///
-/// As a function of s it is smooth at 0 and needs no square root: cubic Hermite polynomials between values of the C library.
+/// As a function of s it is smooth at 0 and needs no square root: cubic Hermite polynomials between values of the C
+/// library.
 /// Errors of the polynomials: h⁴/384 · max |f⁗| = 10⁻¹⁰ for h = 1/8. Beyond the table the C library itself answers.
 class BesselTable {
  public:

@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::size_t lane_count = 8;
 
-/// Eight numbers, which the compiler puts into registers as wide as it has; each lane is added by itself, so that the sums have the
-/// same bits everywhere.
+/// Eight numbers, which the compiler puts into registers as wide as it has; each lane is added by itself, so that the
+/// sums have the same bits everywhere.
 using Eight = double __attribute__((vector_size(lane_count * sizeof(double)), aligned(alignof(double))));
 
 /// Sums over agents, the agents in turns to the lanes.
@@ -124,7 +124,8 @@ struct Coefficients {
   __m512d c3;
 };
 
-/// The four coefficients of each of eight pieces: eight loads and a transposition, which take a fraction of the time of gathers.
+/// The four coefficients of each of eight pieces: eight loads and a transposition, which take a fraction of the time of
+/// gathers.
 GRIDLOCK_AVX512 inline Coefficients coefficients_of(double const* pieces, __m256i piece) {
   alignas(32) std::array<std::int32_t, lane_count> at;
   _mm256_store_si256(reinterpret_cast<__m256i*>(at.data()), _mm256_slli_epi32(piece, 2));
@@ -196,7 +197,7 @@ std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double 
   return result;
 }
 
-/// What has been summed of one lag and one kind.
+/// The sums of one lag and one kind.
 struct LagSums {
   Lanes lanes;                  ///< of pairs that are not independent
   Sums sums;                    ///< of the independent ones, and all scattering

@@ -32,9 +32,11 @@ class FramesOfLag {
   std::vector<Pair> pairs_;  ///< none where the frames are even
 };
 
-/// All lags above 0 between frames at ascending times, ascending; lags that differ by less than a thousandth of the shortest time
-/// between frames are one. Of more than `most` lags only those nearest to times even in the logarithm; 0 for all.
-/// Errors: Error for fewer than two frames, times that do not ascend or are not finite, and too many frames that are not even.
+/// All lags above 0 between frames at ascending times, ascending; lags that differ by less than a thousandth of the
+/// shortest time between frames are one. Of more than `most` lags only those nearest to times even in the logarithm; 0
+/// for all.
+/// Errors: Error for fewer than two frames, times that do not ascend or are not finite, and too many frames that are
+/// not even.
 std::vector<FramesOfLag> lags_between(std::span<double const> times, std::size_t most);
 
 }  // namespace gridlock

@@ -26,7 +26,7 @@ CellLayout layout_for(Box const& box, std::size_t points) {
   return {box, along(box.width()), along(box.height())};
 }
 
-/// What a band of cells has found, in the order of its rows.
+/// The results of a band of cells, in the order of its rows.
 struct Band {
   std::vector<std::uint32_t> neighbours;
   std::vector<std::uint32_t> counts;
@@ -83,8 +83,8 @@ class CellMaker {
     }
   }
 
-  /// All points nearer than this are in the rings so far. Images more than a whole side away cut nothing: another image of the same
-  /// point is nearer to every place of the cell.
+  /// All points nearer than this are in the rings so far. Images more than a whole side away cut nothing: another image
+  /// of the same point is nearer to every place of the cell.
   [[nodiscard]] double distance_seen(Vector p, int column, int row, int ring) const {
     double seen = std::numeric_limits<double>::infinity();
     if (ring < layout_.columns()) {

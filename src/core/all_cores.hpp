@@ -6,8 +6,9 @@
 
 namespace gridlock {
 
-/// Calls work(), whose parallel loops of oneTBB then share the cores that this process may use, or those of the arena that
-/// the caller is in where these are fewer. oneTBB by itself follows the affinity mask, but no limit of a container.
+/// Calls work(), whose parallel loops of oneTBB then share the cores that this process may use, or those of the arena
+/// that the caller is in where these are fewer. oneTBB by itself follows the affinity mask, but no limit of a
+/// container.
 ///
 /// A thread that waits for the others takes up no work from outside, such as another run of a sweep.
 template <class Work>

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the files share whose functions are compiled for wide registers. Only functions marked GRIDLOCK_AVX512 use them, and
-// uses_avx512() decides at run time whether they are ever called. Empty where the compiler has no such functions.
+// Shared by the files whose functions are compiled for wide registers. Only functions marked GRIDLOCK_AVX512 use them,
+// and uses_avx512() decides at run time whether they are ever called. Empty where the compiler has no such functions.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 

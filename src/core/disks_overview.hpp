@@ -6,14 +6,14 @@
 
 namespace gridlock {
 
-/// What an engine and the checks of a set-up ask of all disks together.
+/// The numbers of all disks together that an engine and the checks of a set-up ask for.
 struct DisksOverview {
   std::uint64_t count = 0;
   RadiusRange radii;
   double largest_speed = 0.0;
   double covered_area = 0.0;
 
-  /// Of these and others.
+  /// Adds those of other disks.
   void add(DisksOverview const& others);
 };
 

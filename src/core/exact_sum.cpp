@@ -46,9 +46,9 @@ struct Parts {
   Number rest;
 };
 
-/// The bits of x above the unit u = 2⁻⁵³σ are (σ + x) − σ, without error for |x| ≤ σ/2: a sum σ + x has no finer ones. All leading
-/// parts of a batch with Σ |x| ≤ σ/2 are multiples of u and together below σ, so that adding them is exact. What is left of each is
-/// at most u, and is taken apart in the same way.
+/// The bits of x above the unit u = 2⁻⁵³σ are (σ + x) − σ, without error for |x| ≤ σ/2: a sum σ + x has no finer ones.
+/// All leading parts of a batch with Σ |x| ≤ σ/2 are multiples of u and together below σ, so that adding them is exact.
+/// What is left of each is at most u, and is taken apart in the same way.
 /// Source: S. M. Rump, T. Ogita & S. Oishi, Accurate floating-point summation (2008), doi:10.1137/050645671.
 template <class Number>
 inline Parts<Number> parts_of(Number x, double sigma, double next_sigma) {
@@ -58,7 +58,7 @@ inline Parts<Number> parts_of(Number x, double sigma, double next_sigma) {
   return {leading, following, left - following};
 }
 
-/// Of a whole batch.
+/// The sums of the parts of a whole batch.
 struct SumsOfParts {
   Double2 leading{};
   Double2 following{};
@@ -108,7 +108,8 @@ void ExactSum::add(std::span<double const> terms) {
 
 void ExactSum::add(ExactSum const& other) { add_packed(other.packed()); }
 
-/// The first number has the place of the first limb and, above it, a bit for each number that is not finite; the limbs follow.
+/// The first number has the place of the first limb and, above it, a bit for each number that is not finite; the limbs
+/// follow.
 std::vector<std::int64_t> ExactSum::packed() const {
   ExactSum carried = *this;
   carried.carry();
@@ -138,7 +139,7 @@ void ExactSum::add_packed(std::span<std::int64_t const> numbers) {
   for (std::size_t k = 0; k < added.size(); ++k) limbs_[first + k] += added[k];
   first_ = std::min(first_, first);
   end_ = std::max(end_, first + static_cast<std::uint32_t>(added.size()));
-  // What a carry has left in a limb is less than a term adds to it.
+  // The rest that a carry has left in a limb is less than a term adds to it.
   if (--terms_until_carry_ == 0) carry();
 }
 

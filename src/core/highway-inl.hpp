@@ -1,5 +1,5 @@
-// What the kernels written with Google Highway share. A source that is compiled once for every target includes it inside of its part for
-// one target, after <hwy/highway.h>; so the guard lets it through once for each.
+// Shared by the kernels written with Google Highway. A source that is compiled once for every target includes it inside
+// of its part for one target, after <hwy/highway.h>; so the guard lets it through once for each.
 
 #if defined(GRIDLOCK_CORE_HIGHWAY_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef GRIDLOCK_CORE_HIGHWAY_INL_HPP
@@ -47,7 +47,7 @@ HWY_INLINE V squared_length(V x, V y) {
 }
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
-/// What lies at from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side in a register.
+/// Loads from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side into a register.
 template <std::size_t at_once, class Tag, class T>
 HWY_INLINE hn::Vec<Tag> side_by_side(Tag tag, T const* const* from, std::size_t step = 1) {
   if constexpr (hn::MaxLanes(Tag()) == at_once) {

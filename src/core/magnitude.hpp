@@ -15,7 +15,7 @@ inline constexpr char const* magnitude_hint =
 
 inline bool has_bounded_magnitude(double value) { return value >= least_magnitude && value <= most_magnitude; }
 
-/// What makes it impossible to compute with a box: sides too large, too small, or too different from each other.
+/// The reason why a box cannot be computed with: sides too large, too small, or too different from each other.
 std::optional<Problem> find_extreme_sides(Box const& box);
 
 }  // namespace gridlock

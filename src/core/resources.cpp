@@ -42,8 +42,8 @@ void add_groups(fs::path const& mount, fs::path const& group, std::vector<fs::pa
   groups.push_back(mount);
 }
 
-/// Directories in which limits of a controller may stand. Each line of the file is "number:controllers:group"; version 2
-/// names no controllers. Inside a container the mount may begin at the group: then only the outer directories exist.
+/// Directories in which limits of a controller may stand. Each line of the file is "number:controllers:group"; version
+/// 2 names no controllers. Inside a container the mount may begin at the group: then only the outer directories exist.
 std::vector<fs::path> groups_with(std::string_view controller, fs::path const& root) {
   fs::path const mounts = root / "sys/fs/cgroup";
   std::vector<fs::path> groups;

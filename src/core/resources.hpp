@@ -5,14 +5,14 @@
 
 namespace gridlock {
 
-/// What the operating system lets this process use of the machine. The one place that asks: cores and memory of the whole
-/// machine are more than a job, a container or `taskset` grants.
+/// The cores and the memory that the operating system lets this process use. The one place that asks: cores and memory
+/// of the whole machine are more than a job, a container or `taskset` grants.
 ///
-/// Limits of control groups (cgroups, version 1 or 2) are those of the process's own group and of all groups around it, by
-/// the files below `root`/proc and `root`/sys; a test puts its own there.
+/// Limits of control groups (cgroups, version 1 or 2) are those of the process's own group and of all groups around it,
+/// by the files below `root`/proc and `root`/sys; a test puts its own there.
 
-/// Cores that threads of this process can run on at the same time, at least 1: those of its affinity mask, and no more than
-/// the processor time that its control groups grant, a part of a core counted as one.
+/// Cores that threads of this process can run on at the same time, at least 1: those of its affinity mask, and no more
+/// than the processor time that its control groups grant, a part of a core counted as one.
 /// Cost: some 50 µs, for files that are read anew every time.
 std::size_t usable_cores(std::filesystem::path const& root = "/");
 

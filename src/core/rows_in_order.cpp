@@ -15,8 +15,8 @@ struct NamedRow {
   std::uint32_t row;
 };
 
-/// Digit by digit, the lowest first, each time into as many piles as a digit has values; digits that are the same in all
-/// Ids are left out, which are most of them. Cost: two to four passes, 5 ns a row each.
+/// Digit by digit, the lowest first, each time into as many piles as a digit has values; digits that are the same in
+/// all Ids are left out, which are most of them. Cost: two to four passes, 5 ns a row each.
 void sort_digit_by_digit(std::vector<NamedRow>& named) {
   constexpr unsigned bits = 11;
   constexpr std::size_t piles = std::size_t{1} << bits;

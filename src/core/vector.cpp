@@ -10,7 +10,8 @@ namespace gridlock {
 
 namespace {
 
-/// Two numbers that are added and multiplied in one instruction on every 64-bit processor, each rounded as IEEE 754 asks.
+/// Two numbers that are added and multiplied in one instruction on every 64-bit processor, each rounded as IEEE 754
+/// asks.
 using Double2 = double __attribute__((vector_size(16)));
 
 /// Taylor's series of sine and cosine to x¹⁷ and x¹⁶ on |x| ≤ π/4, where the first term left out is below 1e-18.

@@ -8,8 +8,9 @@
 #include "engine/packed_turns.hpp"
 #include "engine/waiting_in_block.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
-// used; target() chooses which of the kernels is called. Registers of SVE have no size and fit in no struct.
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
+// of Highway are used; target() chooses which of the kernels is called. Registers of SVE have no size and fit in no
+// struct.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/batched_moves.cpp"
@@ -50,8 +51,8 @@ struct Point {
   operator Vector() const { return {x, y}; }
 };
 
-/// The disks that take their turns, as the phases hand them on. What is written lane by lane is not read as a whole soon
-/// after: that makes the processor wait until all before it is done.
+/// The disks that take their turns, as the phases hand them on. What is written lane by lane is not read as a whole
+/// soon after: that makes the processor wait until all before it is done.
 struct alignas(64) Turning {
   Each<double> x;
   Each<double> y;
@@ -227,7 +228,8 @@ class BatchedMoves {
   }
 
  private:
-  /// Calls visit(tag, first) for every register of `count` items from `first` on, the last one half as wide where that will do.
+  /// Calls visit(tag, first) for every register of `count` items from `first` on, the last one half as wide where that
+  /// will do.
   template <class Visit>
   HWY_INLINE static void by_registers(std::size_t count, Visit visit) {
     constexpr std::size_t half = std::max<std::size_t>(2, lanes / 2);
@@ -344,7 +346,8 @@ class BatchedMoves {
     return turns;
   }
 
-  /// Whom turn l may meet, in a cell that has its neighbours where inner ones do: not by block_offsets, without a look at memory for each.
+  /// Whom turn l may meet, in a cell that has its neighbours where inner ones do: not by block_offsets, without a look
+  /// at memory for each.
   HWY_INLINE std::uint64_t near_of(std::size_t l, Block const* here, std::ptrdiff_t blocks_in_row) const {
     Block const* const below = here - blocks_in_row;
     Block const* const above = here + blocks_in_row;
@@ -352,7 +355,8 @@ class BatchedMoves {
            std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
   }
 
-  /// Which of these turns, at the edge of a periodic box, may meet nobody. Distances are those of the nearest images there.
+  /// Which of these turns, at the edge of a periodic box, may meet nobody. Distances are those of the nearest images
+  /// there.
   Turns without_candidates(Turns turns) const {
     bool const may_have_further_blocks = grid_.has_further_blocks();
     for (Turns left = turns; left != 0; left &= left - 1) {
@@ -452,8 +456,8 @@ class BatchedMoves {
     auto const next_candidates = [&]() HWY_ATTR {
       unsigned more = 0;
       for (std::size_t k = 0; k < count; ++k) {
-        // Without a candidate slot 0 of its own block is looked at, in which somebody is: empty slots name disks that were
-        // here before, and that may be another thread's now.
+        // Without a candidate slot 0 of its own block is looked at, in which somebody is: empty slots name disks that
+        // were here before, and that may be another thread's now.
         std::size_t const bit = first_of(near[k] | std::uint64_t{1} << (own_slots + PackedGrid::slots));
         Block const& block = t_.block[first + k][offset[bit / PackedGrid::slots]];
         rows[k] = block.agent[bit % PackedGrid::slots];
@@ -486,8 +490,8 @@ class BatchedMoves {
     end_at(tag, first, outcome.at, cells);
   }
 
-  /// Which turns meet the disks in `rows` rather than their partners: the choice of Partner::consider(), of disks that are first met in
-  /// different sub-steps.
+  /// Which turns meet the disks in `rows` rather than their partners: the choice of Partner::consider(), of disks that
+  /// are first met in different sub-steps.
   template <class D>
   HWY_INLINE hn::Mask<D> comes_first(D tag, Outcome<D> const& with_row, Outcome<D> const& with_partner,
                                      std::uint32_t const* partners, std::uint32_t const* rows) const {
@@ -556,8 +560,8 @@ class BatchedMoves {
     staying_ |= bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
   }
 
-  /// The disk of turn l is now there in its cell; nothing changes for a slot that there is not. Written as a whole: what is written in
-  /// halves and soon read as a whole makes the processor wait.
+  /// The disk of turn l is now there in its cell; nothing changes for a slot that there is not. Written as a whole:
+  /// what is written in halves and soon read as a whole makes the processor wait.
   HWY_INLINE void place_within_cell(std::size_t l, std::uint32_t slot, float x, float y) {
     if constexpr (blocks_at_once == 1) {
       PackedGrid::place_within_cell(*t_.block[l], slot, {x, y});

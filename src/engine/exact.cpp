@@ -47,9 +47,9 @@ void require_room_between_walls(State const& state, double rounding) {
   }
 }
 
-/// Collisions share the energy out, so that the lightest disk becomes as fast as its mass is small. A path is computed from
-/// the zero of an epoch, in which a disk of the root mean square speed crosses two cells: one that is s times as fast
-/// overlaps by up to s · 4 · 2⁻⁵³ · 2 cells. Measured is a tenth of that, 1.3 · 10⁻¹² of contact at s = 2 · 10⁴.
+/// Collisions share the energy out, so that the lightest disk becomes as fast as its mass is small. A path is computed
+/// from the zero of an epoch, in which a disk of the root mean square speed crosses two cells: one that is s times as
+/// fast overlaps by up to s · 4 · 2⁻⁵³ · 2 cells. Measured is a tenth of that, 1.3 · 10⁻¹² of contact at s = 2 · 10⁴.
 void require_masses_of_like_size(State const& state) {
   constexpr double most_speed_ratio = 1000.0;
   auto const masses = state.agents.column<Mass>();
@@ -171,7 +171,8 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
   left_.remember(state);
 }
 
-/// The end of the next step; where threads share the work, that of the last one in the window of time that they fly apart.
+/// The end of the next step; where threads share the work, that of the last one in the window of time that they fly
+/// apart.
 double ExactEngine::next_target(Clock const& clock, StopCondition const& stop_condition) const {
   double const end_of_window = clock.time + dynamics_->window();
   double target = next_step_time_;

@@ -19,17 +19,17 @@ EngineRecord exact_record();
 /// Throws Error for a state that the exact dynamics cannot start from, see ExactEngine.
 void require_exact_start(State const& state);
 
-/// What the sides of a periodic box must exceed, so that no disk can touch another from both sides at once.
+/// The length that the sides of a periodic box must exceed, so that no disk can touch another from both sides at once.
 double side_for_images(State const& state);
 
 /// Hard disks without a time step: from collision to collision, the dynamics every stepped result is judged against.
 ///
-/// The disks fly freely between events; docs/explanation/exact.md explains how the events are found. Between two calls of advance()
-/// the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has the same bits
-/// however it is cut into calls; positions handed out are those at state.clock.time, or after a collision asked for those
-/// at its exact time, which the clock holds with fewer digits.
-/// Errors: Error for a state that validate() refuses with a tolerance for rounding, for a periodic box in which two disks
-/// could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
+/// The disks fly freely between events; docs/explanation/exact.md explains how the events are found. Between two calls
+/// of advance() the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has
+/// the same bits however it is cut into calls; positions handed out are those at state.clock.time, or after a collision
+/// asked for those at its exact time, which the clock holds with fewer digits.
+/// Errors: Error for a state that validate() refuses with a tolerance for rounding, for a periodic box in which two
+/// disks could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
 /// collisions without end keep the time from passing.
 /// Cost: O(1) per collision. Threads share the work of many disks; any number of them gives the same bits.
 class ExactEngine final : public Engine {

@@ -34,7 +34,7 @@ inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::vecto
           .row_in_state = row};
 }
 
-/// What has become of a disk.
+/// Writes a disk back into the row that it came from.
 inline void write_back(DiskInTurn const& disk, Disks& to) {
   std::size_t const row = disk.row_in_state;
   to.column<X>()[row] = disk.position.x;

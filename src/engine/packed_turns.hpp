@@ -17,7 +17,8 @@
 
 namespace gridlock {
 
-/// How far from its place at the start of a turn a disk can meet the centre of another: contact distance and displacement.
+/// How far from its place at the start of a turn a disk can meet the centre of another: contact distance and
+/// displacement.
 class Cutoff {
  public:
   Cutoff(Box const& box, double largest_radius, double duration, std::uint64_t substeps)
@@ -42,7 +43,7 @@ class Cutoff {
 
 class PackedTurns;
 
-/// What turns leave behind.
+/// The results of turns.
 struct TurnResult {
   Counters counters;
   std::vector<std::uint32_t> not_local;  ///< rows of disks that have not taken their turn
@@ -67,7 +68,7 @@ void take_batch_scalar(PackedTurns& turns, TurnsInOrder const& order, std::size_
 /// The kernel for instructions that are available.
 TakeBatch batch_kernel(Target target);
 
-/// What does not change from turn to turn.
+/// The numbers that do not change from turn to turn.
 struct TurnConstants {
   TurnConstants(TurnView const& turn_view, PackedGrid const& grid, RadiusRange const& radii, double step_duration)
       : view(turn_view),
@@ -111,8 +112,8 @@ struct TurnConstants {
   static constexpr std::size_t blocks_around = 8;
   /// Where the blocks of the cells around a cell are, seen from its block; the last two are its own.
   using BlockOffsets = std::array<std::ptrdiff_t, blocks_around + 2>;
-  /// Of a cell in this column and row of a periodic box, in which those at an edge have others than the rest. Between walls the first
-  /// ones are those of all cells: PackedGrid has empty blocks where no cell is.
+  /// Of a cell in this column and row of a periodic box, in which those at an edge have others than the rest. Between
+  /// walls the first ones are those of all cells: PackedGrid has empty blocks where no cell is.
   [[nodiscard]] BlockOffsets const& block_offsets_at(int column, int row) const {
     std::size_t const in_columns = (column == 0 ? at_first : 0U) + (column + 1 == layout.columns() ? at_last : 0U);
     std::size_t const in_rows = (row == 0 ? at_first : 0U) + (row + 1 == layout.rows() ? at_last : 0U);
@@ -124,8 +125,9 @@ struct TurnConstants {
   static constexpr std::size_t kinds_of_column = at_first + at_last + 1;
   static constexpr std::size_t kinds_of_cell = kinds_of_column * kinds_of_column;
   std::array<BlockOffsets, kinds_of_cell> block_offsets;
-  /// What is to be added to a point seen from a cell to see it from cell k around it: to x as often as there are slots in a block, then to y.
-  /// Behind that of cell 0 lies that of cell 2, behind that of 1 that of 3, so that those of two cells can be read as a whole.
+  /// What is to be added to a point seen from a cell to see it from cell k around it: to x as often as there are slots
+  /// in a block, then to y. Behind that of cell 0 lies that of cell 2, behind that of 1 that of 3, so that those of two
+  /// cells can be read as a whole.
   [[nodiscard]] float const* shift_of_block(std::size_t k) const { return shifts.data() + place_of_shift(k); }
   [[nodiscard]] float* shift_of_block(std::size_t k) { return shifts.data() + place_of_shift(k); }
   alignas(64) std::array<float, 2 * blocks_around * PackedGrid::slots> shifts;
@@ -190,8 +192,9 @@ class PackedTurns {
     bool needs_more_blocks;  ///< a cell around has more disks than a block
   };
 
-  /// What the turn of a disk that is_local() needs. It stays right while the disks of the 3×3 block stay as they are,
-  /// so those of disks three cells apart can be prepared together, which keeps the processor from waiting for each.
+  /// The candidates that the turn of a disk that is_local() needs. They stay right while the disks of the 3×3 block
+  /// stay as they are, so those of disks three cells apart can be prepared together, which keeps the processor from
+  /// waiting for each.
   [[nodiscard]] Prepared prepare(std::size_t i) const { return prepare(i, grid_.block_of(i), grid_.slot_of(i)); }
   /// Of a disk in this slot.
   [[nodiscard]] Prepared prepare(std::size_t i, PackedGrid::Block const& home, std::uint32_t slot) const {
@@ -227,8 +230,9 @@ class PackedTurns {
   /// So many rows and blocks behind the last turn of a batch are read too: they are of disks of the grid.
   static constexpr std::size_t read_behind = 8;
 
-  /// The turns `first` … first + count − 1, up to largest_batch, of disks without a common neighbour, in their order. Those that are not
-  /// local do not take theirs. The same bits as one turn after the other, as many at a time as target() allows.
+  /// The turns `first` … first + count − 1, up to largest_batch, of disks without a common neighbour, in their order.
+  /// Those that are not local do not take theirs. The same bits as one turn after the other, as many at a time as
+  /// target() allows.
   void take_batch(TurnsInOrder const& order, std::size_t first, std::size_t count) {
     static TakeBatch const kernel = batch_kernel(target());
     kernel(*this, order, first, count);

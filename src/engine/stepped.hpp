@@ -10,8 +10,9 @@
 
 namespace gridlock {
 
-/// Throws Error for settings out of their bounds, no disks, a state that validate() refuses, a start in which a sub-step
-/// could jump over a disk, and a periodic box so small that the image a disk runs into need not be the nearest one.
+/// Throws Error for settings out of their bounds, no disks, a state that validate() refuses, a start in which a
+/// sub-step could jump over a disk, and a periodic box so small that the image a disk runs into need not be the nearest
+/// one.
 void require_room_for_turns(EngineSettings const& settings, State const& state);
 
 /// Throws Error for no disks.
@@ -43,8 +44,8 @@ EngineRecord stepped_record();
 
 class HotDisks;
 
-/// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference every
-/// faster version is measured against, or on the packed grid, which gives the same bits.
+/// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference
+/// every faster version is measured against, or on the packed grid, which gives the same bits.
 ///
 /// Errors: those of require_room_for_turns(); RunFailure for a disk that becomes too fast for its sub-steps.
 class SteppedEngine final : public Engine {

@@ -12,12 +12,13 @@ namespace gridlock {
 
 EngineRecord tiled_record();
 
-/// The paper's rule, tile by tile, in a tile class by class of cells, in a cell in the order of the Ids (UpdateOrder): the same turns
-/// as in `stepped` in another order, on any number of threads with the same bits.
+/// The paper's rule, tile by tile, in a tile class by class of cells, in a cell in the order of the Ids (UpdateOrder):
+/// the same turns as in `stepped` in another order, on any number of threads with the same bits.
 ///
 /// Disks too fast for the ring of cells around their tile wait and take their turns one after the other at the end of
 /// the step. Errors: those of SteppedEngine.
-/// Memory: about 230 bytes for each disk during advance(); in a box of one or two rows of cells up to 350, for the grid has two empty rows.
+/// Memory: about 230 bytes for each disk during advance(); in a box of one or two rows of cells up to 350, for the grid
+/// has two empty rows.
 class TiledEngine final : public Engine {
  public:
   TiledEngine(EngineSettings const& settings, State const& state);

@@ -8,8 +8,8 @@
 
 namespace gridlock {
 
-/// What the marks of a block say to tiled::ClassOrder, and what is looked up with them: a compiler would make branches of the questions, and
-/// the answers are as good as random.
+/// What the marks of a block say to tiled::ClassOrder, and what is looked up with them: a compiler would make branches
+/// of the questions, and the answers are as good as random.
 ///
 ///     bits of marks    0 … 3                      4 … 10                       15
 ///                      whose turn it is, by the   how many agents there are,   `changed`: the code is to be
@@ -27,8 +27,8 @@ struct WaitingInBlock {
 
   /// The code in the marks, of a number of agents and of the slots in the order of Ids, two bits each.
   std::array<std::array<std::uint16_t, 1U << first_bit_of_count>, slots + 1> code{};
-  /// Of marks in which bit s says that the agent in slot s waits: the slots of those who wait in the order of Ids, two bits each, their
-  /// number, and whether it is above 0, 1 and 2.
+  /// Of marks in which bit s says that the agent in slot s waits: the slots of those who wait in the order of Ids, two
+  /// bits each, their number, and whether it is above 0, 1 and 2.
   std::array<std::uint16_t, ((slots + 1) * orders) << slots> waiting{};
 
   constexpr WaitingInBlock() {
@@ -60,8 +60,8 @@ struct WaitingInBlock {
 };
 inline constexpr WaitingInBlock waiting_in_block;
 
-/// Notes in the marks of a block, the only one of its cell, the order of the Ids of its agents, or of numbers in the same order. They are
-/// as good as random: no branch depends on them.
+/// Notes in the marks of a block, the only one of its cell, the order of the Ids of its agents, or of numbers in the
+/// same order. They are as good as random: no branch depends on them.
 template <class IdOf>
 [[gnu::noinline]] void note_order_of_ids(PackedGrid::Block& block, IdOf id_of) {
   // Empty slots come last.

@@ -148,7 +148,7 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
 }
 
 bool are_scattered(std::span<AgentPair const> pairs) {
-  // What they point to is some lines of memory apart.
+  // Their targets are some lines of memory apart.
   constexpr std::uint32_t far = 256;
   constexpr std::size_t sample = 16;
   std::size_t scattered = 0;

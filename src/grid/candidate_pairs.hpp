@@ -66,15 +66,15 @@ std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row
 /// The candidates of one cell.
 void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& buffer);
 
-/// The most blocks beside its own an agent looks at in kernels for wide registers; more, which takes hundreds of agents nearby, are
-/// for the scalar version.
+/// The most blocks beside its own an agent looks at in kernels for wide registers; more, which takes hundreds of agents
+/// nearby, are for the scalar version.
 constexpr std::size_t most_blocks_seen = 32;
 
 /// A kernel: the candidates of a row of cells.
 using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);
 
-/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same order, which a
-/// test compares. Contract: is_available(target).
+/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same
+/// order, which a test compares. Contract: is_available(target).
 AddPairsOfRow add_pairs_kernel(Target target);
 
 void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer);
@@ -102,7 +102,7 @@ struct FiveBlocks {
   }
 };
 
-/// What lies beside the places 0 … count − 1 of the columns or rows of a window.
+/// The columns or rows of a window, and those beside it.
 class PlacesOfWindow {
  public:
   PlacesOfWindow(int first, int end, int all, bool is_periodic)
@@ -132,8 +132,8 @@ inline PlacesOfWindow rows_of_window(PackedGrid const& grid) {
   return {window.first_row, window.end_row, grid.layout().rows(), grid.layout().is_periodic()};
 }
 
-/// The cells of a row of the window and what they look at. Copies what it needs of the grid: the compiler cannot know that the pairs
-/// written in between change none of it.
+/// The cells of a row of the window and what they look at. Copies what it needs of the grid: the compiler cannot know
+/// that the pairs written in between change none of it.
 class RowOfCells {
  public:
   RowOfCells(PackedGrid const& grid, int row) : RowOfCells(grid, row, columns_of_window(grid)) {}

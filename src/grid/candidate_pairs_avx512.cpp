@@ -1,7 +1,8 @@
 #include "core/avx512.hpp"
 #include "grid/candidate_pairs.hpp"
 
-// By hand: one instruction moves what is near together, so that the kernel written with Highway takes 1.1 times as long.
+// By hand: one instruction moves what is near together, so that the kernel written with Highway takes 1.1 times as
+// long.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
@@ -44,8 +45,8 @@ GRIDLOCK_AVX512 inline __m512i pairs_of(__m512i agent, __m256i others) {
   return _mm512_or_si512(agent, _mm512_slli_epi64(_mm512_cvtepu32_epi64(others), 32));
 }
 
-// The same operations in the same order as in add_pairs_of_row_scalar(), so that they round alike. What is near is moved
-// together in a register and written whole: writing only some of the lanes takes ten times as long.
+// The same operations in the same order as in add_pairs_of_row_scalar(), so that they round alike. What is near is
+// moved together in a register and written whole: writing only some of the lanes takes ten times as long.
 
 /// Writes the pairs of the agent in slot s with those in later slots of its block and returns their end.
 GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs_at_home(Block const& home, std::uint32_t s, __m512 limit,
@@ -73,7 +74,7 @@ GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs(Block const& home, std::uin
   __m512i const agent = _mm512_set1_epi64(home.agent[s]);
   auto const count = static_cast<std::size_t>(std::popcount(static_cast<unsigned>(near)));
   _mm512_storeu_si512(pair, pairs_of(agent, _mm512_castsi512_si256(others)));
-  // Of sixteen candidates rarely more than eight are near.
+  // Rarely more than eight of sixteen candidates are near.
   if (count > 8) _mm512_storeu_si512(pair + 8, pairs_of(agent, _mm512_extracti32x8_epi32(others, 1)));
   return pair + count;
 }

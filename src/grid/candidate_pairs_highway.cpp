@@ -2,9 +2,9 @@
 
 #include "grid/candidate_pairs.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
-// used; target() chooses which of the kernels is called. AVX-512 has a kernel by hand beside.
-// Registers of SVE have no size and fit in no struct.
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
+// of Highway are used; target() chooses which of the kernels is called. AVX-512 has a kernel by hand beside. Registers
+// of SVE have no size and fit in no struct.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "grid/candidate_pairs_highway.cpp"

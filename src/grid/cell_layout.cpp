@@ -15,8 +15,9 @@ constexpr std::uint64_t most_cells = std::uint64_t{1} << 31;
 
 /// Whole cells of at least `cutoff` along a side; at least one.
 std::uint64_t cells_along(double side, double cutoff, double most) {
-  // A hair more than the cutoff, so that the margin of columns_within() does not ask for a second ring of cells. The place of a point, in cells,
-  // is wrong by some 1e-16 of the cells along the side: a hair more than that, too, or points a cutoff apart might be two cells apart.
+  // A hair more than the cutoff, so that the margin of columns_within() does not ask for a second ring of cells. The
+  // place of a point, in cells, is wrong by some 1e-16 of the cells along the side: a hair more than that, too, or
+  // points a cutoff apart might be two cells apart.
   double const margin = std::max(1e-9, 1e-15 * std::min(side / cutoff, most));
   double const cells = std::min(std::floor(side / (cutoff * (1.0 + margin))), std::floor(most));
   return cells > 1.0 ? static_cast<std::uint64_t>(cells) : 1;

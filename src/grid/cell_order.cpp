@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t rows_per_range = 2048;
 
-/// Parts of the cells that are sorted on their own; enough for any thread pool, and few enough that looking for the rows of a
-/// part costs little.
+/// Parts of the cells that are sorted on their own; enough for any thread pool, and few enough that looking for the
+/// rows of a part costs little.
 std::size_t parts_for(ThreadPool const& thread_pool) { return thread_pool.size() == 1 ? 1 : 4 * thread_pool.size(); }
 
 /// The rows of one cell. They are few and mostly in order.

@@ -8,8 +8,8 @@ namespace gridlock {
 
 namespace {
 
-/// Where to cut a row of weights so that piece k has about shares[k] of their sum; the last entry is the end. While there
-/// are enough weights each piece has at least one.
+/// Where to cut a row of weights so that piece k has about shares[k] of their sum; the last entry is the end. While
+/// there are enough weights each piece has at least one.
 std::vector<std::size_t> cuts(std::span<std::uint64_t const> weights, std::span<std::size_t const> shares) {
   std::size_t const pieces = shares.size();
   auto const sum = static_cast<double>(std::reduce(weights.begin(), weights.end()));

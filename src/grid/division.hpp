@@ -13,8 +13,8 @@ namespace gridlock {
 /// The weight of each column, in rows first_row … end_row − 1.
 using WeightsOfColumns = std::function<std::vector<std::uint64_t>(std::size_t first_row, std::size_t end_row)>;
 
-/// Cuts columns and rows of tiles or cells into a rectangle for each part: strips of rows, each cut into rectangles, with about as
-/// much weight in each. `shape` is the height over the width. Parts beyond the number of tiles have none.
+/// Cuts columns and rows of tiles or cells into a rectangle for each part: strips of rows, each cut into rectangles,
+/// with about as much weight in each. `shape` is the height over the width. Parts beyond the number of tiles have none.
 ///
 ///     ┌────┬──┬───┐
 ///     │ 3  │4 │ 5 │

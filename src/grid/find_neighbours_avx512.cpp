@@ -1,7 +1,8 @@
 #include "core/avx512.hpp"
 #include "grid/find_neighbours_kernels.hpp"
 
-// By hand: one instruction moves what is near together, so that the kernel written with Highway takes 1.2 times as long.
+// By hand: one instruction moves what is near together, so that the kernel written with Highway takes 1.2 times as
+// long.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 

@@ -7,8 +7,8 @@ namespace gridlock {
 
 using FindNeighbours = std::size_t (*)(RowSearch const&, std::span<RowRange const>, std::uint32_t*);
 
-/// The kernel of find_neighbours() for these instructions, or for the next plainer ones that have one. All find the same rows in
-/// the same order, which a test compares. Contract: is_available(target).
+/// The kernel of find_neighbours() for these instructions, or for the next plainer ones that have one. All find the
+/// same rows in the same order, which a test compares. Contract: is_available(target).
 FindNeighbours find_neighbours_kernel(Target target);
 
 std::size_t find_neighbours_scalar(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found);

@@ -23,8 +23,8 @@ namespace gridlock {
 
 namespace {
 
-/// Where the cells of points begin to count: points without a box keep their coordinates, so that distances round as the user
-/// would round them.
+/// Where the cells of points begin to count: points without a box keep their coordinates, so that distances round as
+/// the user would round them.
 struct SearchFrame {
   Box box;
   Vector origin;
@@ -47,7 +47,7 @@ class Found {
   std::size_t size_ = 0;
 };
 
-/// What a band of cells has found: the neighbours of its rows, one after the other, and how many each row has.
+/// The neighbours of the rows of a band of cells, one after the other, and how many each row has.
 struct Band {
   Found<std::uint32_t> neighbours;
   Found<std::uint32_t> counts;
@@ -230,8 +230,8 @@ struct SizeClass {
   }
 };
 
-/// As few classes as will do, the largest disks first: in each the largest disk is less than twice as large as the smallest, or nine of its cells hold few
-/// disks.
+/// As few classes as will do, the largest disks first: in each the largest disk is less than twice as large as the
+/// smallest, or nine of its cells hold few disks.
 std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
                                   std::span<double const> radius) {
   constexpr double few_disks = 64.0;

@@ -25,7 +25,8 @@ NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double
 }
 
 CellLayout NeighbourSearch::plain_layout() const {
-  // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to make.
+  // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to
+  // make.
   constexpr double cells_per_point = 0.6;
   return layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
 }

@@ -70,7 +70,8 @@ std::size_t SortedGrid::move_all(std::span<double const> x, std::span<double con
 }
 
 double SortedGrid::squared_limit(double cutoff) const {
-  // As PackedGrid::local_limit(): images of points far outside a periodic box are wrong by less than this part of a cell.
+  // As PackedGrid::local_limit(): images of points far outside a periodic box are wrong by less than this part of a
+  // cell.
   CellLayout const& layout = points_->layout();
   double const error = 2e-6 * std::max(layout.cell_width(), layout.cell_height());
   return 1.001 * cutoff * cutoff + 1001.0 * error * error;

@@ -70,7 +70,7 @@ void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squar
     points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange cell) {
       RowBlock const block = blocks.around(column, cell_row);
       for (std::size_t row = cell.first; row < cell.end; ++row) {
-        // Of each pair the row that comes first.
+        // The row of each pair that comes first.
         for (RowRange const range : block.ranges()) {
           add_pairs_of_row(sorted, row, {std::max(range.first, row + 1), range.end}, &box, add_pairs, buffer);
         }

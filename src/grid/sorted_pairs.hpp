@@ -12,7 +12,8 @@
 
 namespace gridlock {
 
-/// Points in the order of their cells, row after row, and how near a pair of them is. Here a row is a point; cells have rows of their own.
+/// Points in the order of their cells, row after row, and how near a pair of them is. Here a row is a point; cells have
+/// rows of their own.
 struct SortedRows {
   double const* x;
   double const* y;
@@ -25,20 +26,21 @@ struct SortedRows {
 constexpr std::size_t most_candidates = 512;
 static_assert(most_candidates <= PairBuffer::capacity);
 
-/// A kernel: adds the near pairs of each row of a cell with the rows behind it in the first range, which begins with the cell, and with all rows of
-/// the other ranges, in the order of the ranges. `box` as that of RowSearch. Contract: at most most_candidates rows in the ranges.
+/// A kernel: adds the near pairs of each row of a cell with the rows behind it in the first range, which begins with
+/// the cell, and with all rows of the other ranges, in the order of the ranges. `box` as that of RowSearch. Contract:
+/// at most most_candidates rows in the ranges.
 using AddPairsOfRows = void (*)(SortedRows const&, RowRange cell, std::span<RowRange const> ranges, Box const* box,
                                 PairBuffer&);
 
-/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same order, which a
-/// test compares. Contract: is_available(target).
+/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same
+/// order, which a test compares. Contract: is_available(target).
 AddPairsOfRows add_pairs_of_rows_kernel(Target target);
 
 void add_pairs_of_rows_scalar(SortedRows const& rows, RowRange cell, std::span<RowRange const> ranges, Box const* box,
                               PairBuffer& buffer);
 
-/// Adds all pairs of points with |separation|² < squared_cutoff of which the first is in rows of cells first_row … end_row − 1. Contract: the
-/// cutoff is at most the shorter side of a cell.
+/// Adds all pairs of points with |separation|² < squared_cutoff of which the first is in rows of cells first_row …
+/// end_row − 1. Contract: the cutoff is at most the shorter side of a cell.
 void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
                         PairBuffer& buffer);
 

@@ -3,9 +3,9 @@
 
 #include "grid/sorted_pairs.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
-// used; target() chooses which of the kernels is called. Left out are targets that it never names, and SVE, whose registers have no size
-// that is known here.
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
+// of Highway are used; target() chooses which of the kernels is called. Left out are targets that it never names, and
+// SVE, whose registers have no size that is known here.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "grid/sorted_pairs_highway.cpp"

@@ -42,8 +42,9 @@ class SortedPoints {
     sorted.sort_crowd(layout, {}, points, pool);
     return sorted;
   }
-  /// The same points, which crowd, where they are now, in the same cells. In a cell those that have been there stay in their order,
-  /// before those that have come. Returns how many have come, or the number of all where so many have that all are sorted.
+  /// The same points, which crowd, where they are now, in the same cells. In a cell those that have been there stay in
+  /// their order, before those that have come. Returns how many have come, or the number of all where so many have that
+  /// all are sorted.
   /// Contract: the points are finite, and their cells begin to count at the origin.
   std::size_t move_crowd(PointsInMemory const& points, ThreadPool& pool) {
     if (std::optional<std::size_t> const arrivals = move_few(points)) return *arrivals;
@@ -97,7 +98,8 @@ class SortedPoints {
     std::uint32_t index;
   };
 
-  /// Moves the points one by one where most stay in their cells, and returns how many do not; nothing where it stops because these are too many.
+  /// Moves the points one by one where most stay in their cells, and returns how many do not; nothing where it stops
+  /// because these are too many.
   std::optional<std::size_t> move_few(PointsInMemory const& points) {
     constexpr std::size_t ahead = 16;
     find_cells_of_rows();
@@ -238,7 +240,8 @@ class SortedPoints {
   UninitializedArray<std::uint32_t> cell_of_row_;  ///< of points that have been moved, otherwise empty
 };
 
-/// The points in cells of at least `cutoff`: in fine ones, the occupied of which are stored, where they crowd in a part of the box.
+/// The points in cells of at least `cutoff`: in fine ones, the occupied of which are stored, where they crowd in a part
+/// of the box.
 inline SortedPoints sorted_for_cutoff(Box const& box, Vector origin, double cutoff, PointsInMemory const& points,
                                       ThreadPool& pool) {
   CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);

@@ -129,8 +129,8 @@ std::vector<std::uint32_t> Tiling::pieces(Rectangle const& own, std::size_t thre
     for (std::size_t n = 0; n < tiles; ++n) piece[tile_at(n)] = 0;
     return piece;
   }
-  // Cuts in the tiles row after row. What is left to later rounds lies on one side of a cut or on both, so they are moved
-  // until the first round has as much to do in every piece.
+  // Cuts in the tiles row after row. What is left to later rounds lies on one side of a cut or on both, so they are
+  // moved until the first round has as much to do in every piece.
   std::vector<std::size_t> cut(count + 1);
   for (std::size_t k = 0; k <= count; ++k) cut[k] = tiles * k / count;
   for (int attempt = 0; attempt < 8; ++attempt) {

@@ -11,8 +11,8 @@
 
 namespace gridlock {
 
-/// What is wrong with disks by themselves, whether they overlap or not: the first few problems of each kind, and how many there are. Several
-/// processes add up what they find in their rows.
+/// The problems of disks by themselves, whether they overlap or not: the first few of each kind, and how many there
+/// are. Several processes add up what they find in their rows.
 class RowProblems {
  public:
   RowProblems() = default;
@@ -60,7 +60,7 @@ struct OverlappingPair {
 };
 /// How many an error names.
 inline constexpr std::size_t most_overlaps_named = 3;
-/// What validate() says of so many; the first of them.
+/// The problems that validate() reports of `count` overlaps, the first of which are given.
 std::vector<Problem> problems_of_overlaps(std::span<OverlappingPair const> first, std::size_t count);
 
 }  // namespace gridlock

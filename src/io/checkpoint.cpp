@@ -37,7 +37,8 @@ std::string name_of_part(std::size_t number, CheckpointPart const& part) {
   return fmt::format("{}{}.{:016x}{:016x}{}", part_prefix, number, part.checksum[1], part.checksum[0], part_suffix);
 }
 
-/// checkpoint.part.NUMBER.CHECKSUM.gridlock with a number and 32 hexadecimal digits, and no other name: files of users stay.
+/// checkpoint.part.NUMBER.CHECKSUM.gridlock with a number and 32 hexadecimal digits, and no other name: files of users
+/// stay.
 bool is_name_of_part(std::string_view name) {
   if (!name.starts_with(part_prefix) || !name.ends_with(part_suffix)) return false;
   name = name.substr(part_prefix.size(), name.size() - part_prefix.size() - part_suffix.size());
@@ -65,7 +66,7 @@ class NamedArchive : public Archive {
   std::vector<std::string> path_;
 };
 
-/// What goes into a file.
+/// The members that go into a file.
 enum class Saved { everything, rows, all_but_rows };
 
 class SavingArchive final : public NamedArchive {
@@ -74,7 +75,7 @@ class SavingArchive final : public NamedArchive {
   explicit SavingArchive(Saved saved, std::span<CheckpointPart const> parts = {}) : saved_(saved), parts_(parts) {}
 
   [[nodiscard]] checkpoint::Members& members() { return members_; }
-  /// Of the lists of rows, in the order in which they were visited.
+  /// Lengths of the lists of rows, in the order in which they were visited.
   [[nodiscard]] std::vector<std::uint64_t> const& lengths() const { return lengths_; }
   [[nodiscard]] bool is_restoring() const override { return false; }
   void visit(std::string_view name, bool& value) override { save(name, value); }
@@ -176,7 +177,7 @@ class Parts {
   mutable std::vector<std::optional<checkpoint::File>> files_;
 };
 
-/// What of a part one process has: a run of its rows.
+/// The rows of a part that one process has.
 struct Piece {
   std::size_t part;
   std::uint64_t first;
@@ -198,8 +199,8 @@ std::vector<Piece> pieces_between(std::uint64_t first, std::uint64_t end, std::s
   return pieces;
 }
 
-/// The pieces of a share that says which rows it has, or has all. Their files are there. Errors: Error naming the one that is missing or
-/// damaged.
+/// The pieces of a share that says which rows it has, or has all. Their files are there. Errors: Error naming the one
+/// that is missing or damaged.
 std::vector<Piece> pieces_of(checkpoint::File const& file, Parts const& parts, CheckpointShare const& share) {
   bool const has_any = share.end_row == CheckpointShare::any_rows;
   if (parts.size() == 0 || (has_any && share.count > 1)) return {};
@@ -333,7 +334,7 @@ void restore_from(checkpoint::File const& file, Parts const& parts, CheckpointSh
     serialize(archive);
   } catch (Error const& error) {
     Problem const& problem = error.problems().front();
-    // What is wrong with a part says so itself.
+    // A damaged part says so itself.
     if (!problem.file.empty()) throw;
     checkpoint::refuse(file.name(), problem.what, problem.hint);
   }
@@ -345,8 +346,8 @@ bool is_name_taken(fs::path const& path) {
   return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
 }
 
-/// Refuses what is no file in all processes where one finds it so. It is not among what a damaged checkpoint may be replaced for: the next
-/// checkpoint could not take its place.
+/// Refuses what is no file in all processes where one finds it so. It is not among what a damaged checkpoint may be
+/// replaced for: the next checkpoint could not take its place.
 void require_file(fs::path const& path, bool is_newest, AgreeOnRefusal const& of_all) {
   Problem problem;
   try {

@@ -25,20 +25,21 @@ using SerializeAll = std::function<void(Archive&)>;
 ///            16   XXH3 of all that follows, 128 bits
 ///            32   a map of CBOR: "name.of.member" → number, text, or the numbers of a list as bytes
 ///
-/// The first byte of a list tells the kind of its numbers: d, i, u or q; D, I, U or Q where it is a list of rows, and they are in the parts.
-/// Numbers of 64 bits follow there then, how many rows each part has of that list; none where these are as many as the parts say of themselves.
+/// The first byte of a list tells the kind of its numbers: d, i, u or q; D, I, U or Q where it is a list of rows, and
+/// they are in the parts. Numbers of 64 bits follow there then, how many rows each part has of that list; none where
+/// these are as many as the parts say of themselves.
 std::string to_checkpoint(SerializeAll const& serialize);
 
 /// Restores what to_checkpoint() made. `name` names the file in errors.
 /// Errors: Error if the bytes are not a checkpoint, have another format version, are corrupted, or lack a member.
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize);
 
-/// What one of several processes that have the rows of the agents in turn has of a checkpoint: the rows that
+/// The rows that one of several processes has of a checkpoint: those that
 /// Archive::visit_rows() visits there.
 ///
-/// Where the rows are for the whole run those of the same agents, they are rows first_row … end_row − 1. Where agents come and go, nobody
-/// says which: each process saves lists of any lengths, and gets as many rows of each list as the others, in the order of the processes.
-/// All of them where there is one process.
+/// Where the rows are for the whole run those of the same agents, they are rows first_row … end_row − 1. Where agents
+/// come and go, nobody says which: each process saves lists of any lengths, and gets as many rows of each list as the
+/// others, in the order of the processes. All of them where there is one process.
 struct CheckpointShare {
   static constexpr std::uint64_t any_rows = std::numeric_limits<std::uint64_t>::max();
   std::size_t part = 0;   ///< of this process
@@ -57,9 +58,10 @@ struct CheckpointPart {
   friend bool operator==(CheckpointPart const&, CheckpointPart const&) = default;
 };
 
-/// Writes the rows of one of several processes, and nothing else that `serialize` visits, into a file of its own beside the
-/// checkpoint. It is on the disk when this returns, and is nothing until write_checkpoint() names it: first every process
-/// writes its part, then one of them the checkpoint. Where the share says which rows it has, each list has a value for each, or none in any process.
+/// Writes the rows of one of several processes, and nothing else that `serialize` visits, into a file of its own beside
+/// the checkpoint. It is on the disk when this returns, and is nothing until write_checkpoint() names it: first every
+/// process writes its part, then one of them the checkpoint. Where the share says which rows it has, each list has a
+/// value for each, or none in any process.
 ///
 /// The name has the number of the part and the checksum, so that a part replaces nothing but its own copy:
 ///
@@ -91,21 +93,23 @@ struct Restored {
   friend bool operator==(Restored const&, Restored const&) = default;
 };
 
-/// Exchanges among processes what each has to say of a checkpoint, such as why it cannot be used: takes the text of this process, empty where
-/// there is none, and returns the first text that any process has, the same in all of them.
+/// Exchanges among processes what each has to say of a checkpoint, such as why it cannot be used: takes the text of
+/// this process, empty where there is none, and returns the first text that any process has, the same in all of them.
 using AgreeOnRefusal = std::function<std::string(std::string const& reason)>;
 
 /// Restores the newest checkpoint of a directory that is whole; nothing where there is none.
 ///
-/// Any number of processes restore what any number has written: each gives its own share, all call this at once, and where one
-/// finds a file damaged, `agree` has all of them go back to the previous checkpoint. A process reads all of checkpoint.gridlock, and of
-/// the parts those with rows of its share, by pieces; it has its own rows in memory, and no others.
-/// Errors: Error, in all processes, where there are checkpoints and none can be used, or where one of them is not a regular file.
+/// Any number of processes restore what any number has written: each gives its own share, all call this at once, and
+/// where one finds a file damaged, `agree` has all of them go back to the previous checkpoint. A process reads all of
+/// checkpoint.gridlock, and of the parts those with rows of its share, by pieces; it has its own rows in memory, and no
+/// others.
+/// Errors: Error, in all processes, where there are checkpoints and none can be used, or where one of them is not a
+/// regular file.
 std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize,
                                            CheckpointShare const& share = {}, AgreeOnRefusal const& agree = {});
 
-/// Removes the parts that no checkpoint of a directory has, as those of one that could not be written. While it cannot be told which these are, all
-/// stay.
+/// Removes the parts that no checkpoint of a directory has, as those of one that could not be written. While it cannot
+/// be told which these are, all stay.
 void remove_unneeded_parts(std::filesystem::path const& directory);
 
 /// Whether there is anything to restore.

@@ -42,7 +42,7 @@ std::string in_cbor(Json const& value) {
   return bytes;
 }
 
-/// What CBOR puts before so many bytes, or pairs of a name and a value: the length in as few bytes as hold it.
+/// The head that CBOR puts before so many bytes, or pairs of a name and a value: the length in as few bytes as hold it.
 std::string head_of(CborKind kind, std::uint64_t length) {
   // A whole number differs only in the three bits that tell the kinds.
   std::string head = in_cbor(Json(length));
@@ -93,7 +93,7 @@ class Cursor {
     unsigned kind;
     std::uint64_t argument;
   };
-  /// What begins a number or says how much of a text follows; nothing where there is no such thing.
+  /// The byte that begins a number or says how much of a text follows; nothing where there is no such thing.
   std::optional<Head> head() {
     if (left() == 0) return std::nullopt;
     unsigned const first = next();

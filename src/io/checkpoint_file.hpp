@@ -17,12 +17,12 @@ namespace gridlock::checkpoint {
 /// XXH3 of 128 bits, the low word first.
 using Checksum = std::array<std::uint64_t, 2>;
 
-/// Of a file that has all that it names.
+/// Version of a file that has all that it names.
 constexpr std::uint32_t whole_version = 4;
-/// Of one whose rows are in other files.
+/// Version of a file whose rows are in other files.
 constexpr std::uint32_t version_of_parts = 5;
 
-/// What kind of numbers a list holds: the first byte of its value.
+/// The kind of numbers in a list: the first byte of its value.
 template <class Number>
 constexpr char letter_of();
 template <>

@@ -12,10 +12,11 @@
 
 namespace gridlock {
 
-/// The open descriptor of this process that a path names, itself or by links: 1 for /dev/stdout; nothing for other paths.
+/// The open descriptor of this process that a path names, itself or by links: 1 for /dev/stdout; nothing for other
+/// paths.
 std::optional<int> descriptor_named(std::filesystem::path const& path);
 
-/// What a file does with something other than a file that has its name.
+/// The treatment of a link, device or directory that has the name of a file to be written.
 enum class AtName {
   written_through,  ///< a link stays, and the file it leads to is written; a device, a pipe or an open descriptor is written directly
   replaced,  ///< a link, device or pipe is replaced
@@ -23,9 +24,9 @@ enum class AtName {
 
 /// A file that appears under its name complete or not at all.
 ///
-/// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. A crash or a full disk never
-/// destroys the file that was there before. Without a commit() nothing is left behind, but where the process is killed:
-/// then the temporary file stays until remove_leftovers() finds it.
+/// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. A crash or a full disk
+/// never destroys the file that was there before. Without a commit() nothing is left behind, but where the process is
+/// killed: then the temporary file stays until remove_leftovers() finds it.
 /// Errors: RunFailure with the reason of the operating system. Cost: one buffer of 256 KiB, whatever the file's size.
 class AtomicFile {
  public:
@@ -58,9 +59,9 @@ void write_file(std::filesystem::path const& path, std::string_view content);
 
 /// Removes the temporary files that AtomicFile of killed processes left in a directory: `.NAME.PID-NUMBER.part`.
 ///
-/// A process holds a lock on its temporary file, and the lock goes with the process, on whatever machine of a shared file
-/// system it runs. So a file that can be locked belongs to no living process; its number in the name proves nothing, as
-/// processes of other machines and containers have the same numbers.
+/// A process holds a lock on its temporary file, and the lock goes with the process, on whatever machine of a shared
+/// file system it runs. So a file that can be locked belongs to no living process; its number in the name proves
+/// nothing, as processes of other machines and containers have the same numbers.
 void remove_leftovers(std::filesystem::path const& directory);
 
 /// Refuses a name of anything but a regular file; reading a pipe would wait for its writer for ever.

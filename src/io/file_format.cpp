@@ -62,8 +62,8 @@ constexpr std::array marks{
     Mark{"# vtk DataFile"sv, 0, {"vtk", "a file of VTK", to_xyz}},
     Mark{"LAMMPS data"sv, 0, {"lammps_data", "a data file of LAMMPS", to_xyz}}};
 
-/// Whether there are no control characters but those between words and lines: not even the one that HDF5 files begin with, so
-/// that what is left of one is no text.
+/// Whether there are no control characters but those between words and lines: not even the one that HDF5 files begin
+/// with, so that what is left of one is no text.
 bool is_text(std::string_view bytes) {
   unsigned char before = 0;
   for (char const byte : bytes) {

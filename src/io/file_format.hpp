@@ -25,8 +25,8 @@ std::optional<FileFormat> recognize_format(std::string_view first_bytes);
 /// The same of a file. Nothing where it is missing, or no regular file: a pipe can be read only once.
 std::optional<FileFormat> recognize_format(std::filesystem::path const& path);
 
-/// The kind of a text without a mark: extended XYZ or another one, also where gzip packed it; nothing for other bytes and for
-/// an empty file.
+/// The kind of a text without a mark: extended XYZ or another one, also where gzip packed it; nothing for other bytes
+/// and for an empty file.
 std::optional<FileFormat> recognize_text(std::filesystem::path const& path);
 
 /// The refusal of a file of this format where `wanted` is read ("extended XYZ").

@@ -13,7 +13,7 @@ namespace {
 
 /// Rows of numbers become five times as small at most; a file that asks for much more is a trap.
 constexpr std::uint64_t most_packed = 100;
-/// What a part may become whatever its length: a header packs better than rows.
+/// Bound for a part of any length: a header packs better than rows.
 constexpr std::uint64_t always_allowed = std::uint64_t{1} << 20;
 
 /// zlib reads headers and checksums of gzip itself where this is added to the size of its window.

@@ -24,8 +24,8 @@ class GzipReader {
   GzipReader(GzipReader&&) noexcept;
   GzipReader& operator=(GzipReader&&) noexcept;
 
-  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end; nothing where the packed bytes are
-  /// damaged or cut off, or become so much longer that they are a trap. Errors: std::bad_alloc.
+  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end; nothing where the packed bytes
+  /// are damaged or cut off, or become so much longer that they are a trap. Errors: std::bad_alloc.
   std::optional<std::size_t> read(std::span<char> into);
 
  private:

@@ -54,8 +54,8 @@ std::vector<std::string> column_names(std::string const& element, bool is_vector
 std::span<std::byte const> bytes_of(FrameValues const& values);
 std::size_t width_of(FrameValues const& values);
 
-/// Begins the hash over all of a frame, by which the reader knows that nothing was damaged. All Ids follow, one after the
-/// other, then the name and all values of each column, and the observables last.
+/// Begins the hash over all of a frame, by which the reader knows that nothing was damaged. All Ids follow, one after
+/// the other, then the name and all values of each column, and the observables last.
 Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
                         std::uint64_t state_hash);
 /// The hash of a frame in memory.

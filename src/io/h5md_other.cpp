@@ -321,8 +321,8 @@ std::vector<std::string> OtherTrajectory::column_names() const {
   return names;
 }
 
-/// The rows of a frame in the order of the Ids, which are the numbers of the rows where the file has none. A negative Id, or
-/// the largest there is, is that of an agent who is absent.
+/// The rows of a frame in the order of the Ids, which are the numbers of the rows where the file has none. A negative
+/// Id, or the largest there is, is that of an agent who is absent.
 std::vector<std::size_t> OtherTrajectory::row_index(std::size_t k, std::vector<Id>& ids) const {
   std::vector<std::size_t> rows(agents_);
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -361,9 +361,9 @@ void OtherTrajectory::require_plane(std::size_t k) const {
   }
 }
 
-/// Counts positions from the lower left corner of the box, and images with them. In a periodic box every position is that of
-/// an image inside, wherever the file has its origin; between walls positions say whether the origin is the corner or the
-/// middle of the box.
+/// Counts positions from the lower left corner of the box, and images with them. In a periodic box every position is
+/// that of an image inside, wherever the file has its origin; between walls positions say whether the origin is the
+/// corner or the middle of the box.
 void OtherTrajectory::put_inside(Frame& frame) const {
   auto const put = [&](std::size_t c, char const* image, double side, Span const* around) {
     auto& values = std::get<std::vector<double>>(frame.columns[c].values);

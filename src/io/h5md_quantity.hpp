@@ -26,8 +26,8 @@ struct Place {
   std::size_t agents = 0;
 };
 
-/// Steps or times of an element: one for each frame, or the distance between them and where they begin. Empty where the file
-/// has none.
+/// Steps or times of an element: one for each frame, or the distance between them and where they begin. Empty where the
+/// file has none.
 std::vector<double> clock_of(hdf5::Handle const& file, std::string const& element, char const* name, std::size_t count);
 
 /// Numbers of a component as a column of a frame has them; positions are real in any case.

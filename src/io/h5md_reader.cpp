@@ -80,8 +80,8 @@ void OwnTrajectory::open() {
   if (groups.empty()) throw hdf5::Failure("there are no /particles");
   settings_.agents = groups[0];
   group_ = "/particles/" + groups[0];
-  // Before anything else that grows with the frames: the step of a frame is written last, so that all the rest of a frame
-  // that is counted here is there when it is looked at after this.
+  // Before anything else that grows with the frames: the step of a frame is written last, so that all the rest of a
+  // frame that is counted here is there when it is looked at after this.
   read_clocks();
   edge_ = hdf5::read_texts(hdf5::open_group(file_, group_ + "/box"), "boundary")[0] == "periodic" ? Edge::periodic
                                                                                                   : Edge::wall;
@@ -218,8 +218,8 @@ H5mdFrame OwnTrajectory::read_frame(std::size_t k) const {
   return result;
 }
 
-/// Whether Gridlock has written it. Either of two signs will do, so that no damage of one byte makes another program of it,
-/// whose frames have no checksums.
+/// Whether Gridlock has written it. Either of two signs will do, so that no damage of one byte makes another program of
+/// it, whose frames have no checksums.
 bool is_own(std::filesystem::path const& path) {
   return h5md::guarded(path, [&] {
     hdf5::size_of_file(path);

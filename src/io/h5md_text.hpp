@@ -8,8 +8,8 @@
 
 namespace gridlock {
 
-/// The frames of a trajectory in H5MD as extended XYZ, one after the other: what reads that reads trajectories too, and asks
-/// for the frame where there are several. One frame is in memory at a time, as text.
+/// The frames of a trajectory in H5MD as extended XYZ, one after the other: what reads that reads trajectories too, and
+/// asks for the frame where there are several. One frame is in memory at a time, as text.
 struct TrajectoryText {
   ReadBytes bytes;
   std::vector<std::string> left_out;  ///< names in the file of another program that are not in the text

@@ -486,7 +486,8 @@ void guarded(std::filesystem::path const& path, Work const& work) {
   }
 }
 
-/// After a full disk: takes the mark of the writer off the file, so that every reader opens it, if that is still possible.
+/// After a full disk: takes the mark of the writer off the file, so that every reader opens it, if that is still
+/// possible.
 void leave_readable(std::filesystem::path const& path) {
   try {
     hdf5::repair_file(path);

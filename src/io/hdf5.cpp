@@ -19,8 +19,8 @@ namespace {
 
 /// HDF5 prints its errors by itself, on every thread, unless told not to.
 void keep_quiet() {
-  // Where a file could not be closed for a full disk, the end of the program would close it again and crash. All that is
-  // opened here is closed here.
+  // Where a file could not be closed for a full disk, the end of the program would close it again and crash. All that
+  // is opened here is closed here.
   [[maybe_unused]] static herr_t const once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -42,8 +42,8 @@ constexpr hsize_t most_metadata_bytes = 2048;  ///< of what a frame adds: nodes 
 Handle writer_access_list(hsize_t alignment) {
   Handle list = access_list();
   require(H5Pset_alignment(list.id(), 1, alignment), "choose the alignment");
-  // No other writer is at work whose half-written page a second look would find whole: by itself HDF5 tries 100 times, and
-  // sleeps between them for longer than anybody waits.
+  // No other writer is at work whose half-written page a second look would find whole: by itself HDF5 tries 100 times,
+  // and sleeps between them for longer than anybody waits.
   require(H5Pset_metadata_read_attempts(list.id(), 1), "choose how often to read again");
   return list;
 }
@@ -54,8 +54,8 @@ herr_t stay_in_file(char const*, char const*, char const* file, char const*, uns
   return -1;
 }
 
-/// Calls open(access list) for an object of the kind that `list_class` is about, and refuses links to other files: a file
-/// from a stranger must not show what else there is on this machine.
+/// Calls open(access list) for an object of the kind that `list_class` is about, and refuses links to other files: a
+/// file from a stranger must not show what else there is on this machine.
 template <class Open>
 Handle opened_in_file(hid_t list_class, std::string const& path, Handle::Close close, Open open) {
   keep_quiet();
@@ -175,8 +175,8 @@ Handle open_file(std::filesystem::path const& path, Access access) {
     return {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "open the file"};
   }
   Handle const list = access_list();
-  // A torn read of a page that is just being written is tried again, each time after twice as long, 1 ms in all; the 100
-  // times of HDF5 itself would never end on a damaged file.
+  // A torn read of a page that is just being written is tried again, each time after twice as long, 1 ms in all; the
+  // 100 times of HDF5 itself would never end on a damaged file.
   require(H5Pset_metadata_read_attempts(list.id(), 20), "choose how often to read again");
   // Where a full disk stopped the writer, the file may be shorter than it says; what it does hold is whole.
   bool const yes = true;
@@ -190,8 +190,8 @@ Handle open_file(std::filesystem::path const& path, Access access) {
 
 void repair_file(std::filesystem::path const& path) {
   Handle const list = writer_access_list(most_metadata_bytes);
-  // What h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written. In the mode of
-  // the writer, so that a kill in here leaves a file that readers open too.
+  // As h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written. In the mode
+  // of the writer, so that a kill in here leaves a file that readers open too.
   bool const yes = true;
   require(H5Pset(list.id(), "clear_status_flags", &yes), "repair the file");
   require(H5Pset(list.id(), "skip_eof_check", &yes), "repair the file");

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-/// What Gridlock needs of the C library HDF5, with owners for its handles and exceptions for its errors.
+/// The functions of the C library HDF5 that Gridlock needs, with owners for its handles and exceptions for its errors.
 namespace gridlock::hdf5 {
 
 /// A call of HDF5 that failed, in its own words.
@@ -82,8 +82,9 @@ enum class Access {
   append,  ///< in the order that keeps the file readable whenever the process ends
 };
 
-/// Makes room behind the end of a file, which begins to exist with it, for so many bytes, which the next H5Fclose gives back where they are not used: on a
-/// full disk this fails before HDF5 has begun to write, which does not recover from it.
+/// Makes room behind the end of a file, which begins to exist with it, for so many bytes, which the next H5Fclose gives
+/// back where they are not used: on a full disk this fails before HDF5 has begun to write, which does not recover from
+/// it.
 void reserve(std::filesystem::path const& path, std::size_t bytes);
 /// The bytes of a file. Throws Failure for what is no regular file, which HDF5 would wait for, and for an empty one.
 std::uint64_t size_of_file(std::filesystem::path const& path);
@@ -101,7 +102,8 @@ Handle create_group(Handle const& parent, std::string const& path);
 Handle open_group(Handle const& parent, std::string const& path);
 /// The names in a group, in the order they were created, or that of the alphabet where the file does not know it.
 std::vector<std::string> names_in(Handle const& group);
-/// The group or dataset at a path; nothing where there is none, or something of another kind. Refuses links to other files.
+/// The group or dataset at a path; nothing where there is none, or something of another kind. Refuses links to other
+/// files.
 std::optional<Handle> find_group(Handle const& file, std::string const& path);
 std::optional<Handle> find_dataset(Handle const& file, std::string const& path);
 bool has(Handle const& parent, std::string const& path);
@@ -143,7 +145,8 @@ enum class NumberKind { real, whole, positive_whole, other };
 NumberKind kind_of_numbers(Handle const& dataset);
 /// Bytes of each number.
 std::size_t width_of_numbers(Handle const& dataset);
-/// Reads numbers of any type as those asked for: HDF5 takes the nearest where one does not fit. An empty part is a single number.
+/// Reads numbers of any type as those asked for: HDF5 takes the nearest where one does not fit. An empty part is a
+/// single number.
 template <class Number>
 std::vector<Number> read_as(Handle const& dataset, Part const& part);
 

@@ -35,7 +35,7 @@ std::vector<KeyPart> parts_of(std::string_view key) {
     std::size_t const bracket = word.find('[');
     if (bracket != std::string_view::npos && word.back() == ']') {
       part.place = parse_number<std::size_t>(word.substr(bracket + 1, word.size() - bracket - 2));
-      // What is no place in a list stays part of the name, which no setting has.
+      // A text that is no place in a list stays part of the name, which no setting has.
       if (part.place) part.name = word.substr(0, bracket);
     }
     parts.push_back(std::move(part));
@@ -44,7 +44,7 @@ std::vector<KeyPart> parts_of(std::string_view key) {
   }
 }
 
-/// What lies at a dotted key, or as far along it as anything is given.
+/// The value at a dotted key, or as far along it as anything is given.
 struct Found {
   TomlValue const* value = nullptr;
   bool is_whole_key = false;

@@ -47,7 +47,7 @@ bool is_number_with_comma(std::string text) {
   return parse_number<double>(text).has_value();
 }
 
-/// What to do about a text where a number must stand; empty where the text is far from a number.
+/// The hint for a text where a number must stand; empty where the text is far from a number.
 std::string number_instead_of(TomlValue const& value) {
   if (value.kind != Kind::text) return "";
   auto const number = parse_number<double>(value.text);
@@ -71,7 +71,7 @@ std::string explanation_of(std::string const& key) {
   return fmt::format("gridlock explain {} says what it can be", key.substr(0, key.find('[')));
 }
 
-/// What --set was given for a text: the user's own characters, also where they happen to be a number or a date.
+/// The text after --set: the user's own characters, also where they happen to be a number or a date.
 std::optional<std::string> as_text(TomlValue const& value) {
   if (value.kind == Kind::text) return value.text;
   if (!value.as_typed.empty() && value.kind != Kind::array && value.kind != Kind::table) return value.as_typed;

@@ -29,7 +29,7 @@ std::string list_text(std::vector<double> const& numbers) {
   return text + "]";
 }
 
-/// What a visitor of values does with each: its type in words, and the value as TOML (empty for one left out).
+/// Visits values as text: the type of each in words, and the value as TOML (empty for one left out).
 class ValueVisitor : public SettingVisitor {
  public:
   void visit(SettingInfo const& info, double& value) final { take(info, "number", double_text(value)); }
@@ -195,7 +195,7 @@ class Catalogue final : public ValueVisitor {
     entry.is_table = true;
     entry.is_list_of_tables = true;
     table_.push_back(entry.path);
-    // What an entry holds is only known from one, so lend the list one where it has none.
+    // The members of an entry are known from an entry alone, so the list is lent one where it has none.
     if (size == 0) resize(1);
     describe_one(0, *this);
     if (size == 0) resize(0);

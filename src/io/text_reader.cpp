@@ -35,7 +35,7 @@ TextReader::TextReader(std::string_view text, std::string name)
 void TextReader::open_file() {
   auto const file = std::make_shared<FileReader>(path_);
   can_begin_again_ = file->is_regular();
-  // What a file is, its first bytes say.
+  // The first bytes of a file say what it is.
   std::string first(bytes_of_format, '\0');
   std::size_t filled = 0;
   while (filled < first.size()) {

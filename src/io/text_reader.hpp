@@ -13,16 +13,17 @@
 
 namespace gridlock {
 
-/// A text that is read piece by piece: of a file as it is, of one that gzip packed, of a trajectory in H5MD as extended XYZ, or
-/// one that is in memory.
+/// A text that is read piece by piece: of a file as it is, of one that gzip packed, of a trajectory in H5MD as extended
+/// XYZ, or one that is in memory.
 class TextReader {
  public:
-  /// Errors: Error where the file cannot be read, and where its first bytes are those of a format that is no text of agents.
+  /// Errors: Error where the file cannot be read, and where its first bytes are those of a format that is no text of
+  /// agents.
   explicit TextReader(std::filesystem::path path);
   /// The text must outlive it. `name` names it in errors.
   TextReader(std::string_view text, std::string name);
 
-  /// What it is called in errors.
+  /// The name of the text in errors.
   [[nodiscard]] std::string const& name() const { return name_; }
   /// How many bytes it has in about, as far as that is known beforehand.
   [[nodiscard]] std::uint64_t likely_size() const { return likely_size_; }
@@ -33,8 +34,8 @@ class TextReader {
   /// Names of what a trajectory of another program has besides, and its text has not.
   [[nodiscard]] std::vector<std::string> const& left_out() const { return left_out_; }
 
-  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error where the file cannot be
-  /// read, or where what gzip packed is damaged.
+  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error where the file
+  /// cannot be read, or where what gzip packed is damaged.
   std::size_t read(std::span<char> into);
   /// Begins again; false where that cannot be, as with a pipe.
   bool begin_again();

@@ -127,7 +127,7 @@ bool has_bottomless_key(std::string_view text) {
   return false;
 }
 
-/// What is wrong with the value of a line that is no TOML.
+/// The problem of the value of a line that is no TOML.
 std::string hint_for_value(std::string_view value) {
   constexpr std::string_view digits = "0123456789_";
   bool const is_number = value.find_first_not_of("0123456789_+-.,eE") == value.npos;
@@ -154,9 +154,9 @@ std::string hint_for_value(std::string_view value) {
   return "give every key and every table once";
 }
 
-/// What to do about a line that is no TOML, from the line itself: the parser tells its reasons in prose alone.
+/// The hint for a line that is no TOML, from the line itself: the parser tells its reasons in prose alone.
 std::string hint_for(std::string_view line) {
-  // What cannot be shown is not text.
+  // A line that cannot be shown is not text.
   if (line.empty() || line.find("…") != line.npos) {
     return "is this the right file? settings are text, as in count = 841 under [disks]";
   }

@@ -42,14 +42,15 @@ inline Clock clock_of(Header const& header) {
   return {.step = header.step.value_or(0), .time = header.time.value_or(0.0)};
 }
 
-/// Puts a place between 0 and `side`, as a periodic edge does. Returns how many sides it was away; 0 where it was inside.
+/// Puts a place between 0 and `side`, as a periodic edge does. Returns how many sides it was away; 0 where it was
+/// inside.
 double fold(double& place, double side);
 
 /// Reads the second line. Errors: Error where it is damaged, or the box is no rectangle.
 Header read_header(Lines& lines);
 
-/// The box of a file of disks. Errors: Error where the line does not say what disks need: a Lattice in the plane with all edges
-/// alike, and Properties with positions.
+/// The box of a file of disks. Errors: Error where the line does not say what disks need: a Lattice in the plane with
+/// all edges alike, and Properties with positions.
 Box box_of_disks(Lines const& lines, Header const& header);
 
 }  // namespace gridlock::xyz

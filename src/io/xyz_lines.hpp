@@ -38,7 +38,8 @@ class Lines {
   std::uint64_t skip(std::uint64_t count);
   /// Is before the first line again; false where the text cannot be read again, as with a pipe.
   bool begin_again();
-  /// Goes to a line that has been read before. Where the text cannot be read again it has that number and nothing in it.
+  /// Goes to a line that has been read before. Where the text cannot be read again it has that number and nothing in
+  /// it.
   void go_back_to(int number);
   /// Is behind the last line, which is where something is missing.
   void go_behind_the_last();

@@ -56,15 +56,15 @@ struct WrongId {
 /// The place of an Id in a population, which two disks cannot share.
 inline std::uint64_t slot_of(Id id) { return id & 0xFFFFFFFFU; }
 
-/// What is wrong with some of the Ids of a file of `count` rows, of the lowest slot that cannot be. Those with one slot are given
-/// together. Changes their order.
+/// The problem of some of the Ids of a file of `count` rows, that of the lowest slot that cannot be. Those with one
+/// slot are given together. Changes their order.
 std::optional<WrongId> find_wrong_id(std::vector<IdOfRow>& ids, std::uint64_t count);
 
 /// Whether Ids in this order ascend and cannot be wrong.
 bool are_plain(Id first, Id last, std::uint64_t count);
 
-/// Reads a frame of extended XYZ: its head, then its rows in pieces. Positions come inside the box: counted from its corner, and
-/// through periodic edges, which the images count. Where a packed text is damaged, that is the error,
+/// Reads a frame of extended XYZ: its head, then its rows in pieces. Positions come inside the box: counted from its
+/// corner, and through periodic edges, which the images count. Where a packed text is damaged, that is the error,
 /// whatever else its bytes say.
 class Reader {
  public:
@@ -83,7 +83,8 @@ class Reader {
   /// For how many rows there should be room, whatever the first line says.
   [[nodiscard]] std::uint64_t likely_count() const;
 
-  /// Appends further rows, at most `most`; false where there were none left, and nothing else is in the file. Errors: Error.
+  /// Appends further rows, at most `most`; false where there were none left, and nothing else is in the file. Errors:
+  /// Error.
   bool read(std::size_t most, Rows& rows);
 
   [[noreturn]] void refuse(WrongId const& wrong);

@@ -27,8 +27,9 @@ struct ShownFrame {
 };
 
 /// Reads the frame a text begins with as it can be looked at, by the rules of Reader, but more than disks can be: also
-/// without a box, also boxes of any height and periodic along one side only, and without what is out of the plane. Positions
-/// count from the corner of the box, and come in through periodic edges. `first_line` is the number of the first line.
+/// without a box, also boxes of any height and periodic along one side only, and without what is out of the plane.
+/// Positions count from the corner of the box, and come in through periodic edges. `first_line` is the number of the
+/// first line.
 /// Errors: Error where it is damaged.
 ShownFrame read_shown(TextReader text, int first_line);
 

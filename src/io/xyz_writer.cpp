@@ -173,7 +173,8 @@ class Rows {
 void append_blocks(Rows const& rows, AtomicFile& file) {
   constexpr std::size_t blocks_in_memory = 16;
   std::size_t next = 0;
-  // A pipeline that ends by an exception loses what is on its way, so it ends as always and the exception is thrown afterwards.
+  // A pipeline that ends by an exception loses what is on its way, so it ends as always and the exception is thrown
+  // afterwards.
   std::exception_ptr failure;
   std::atomic<bool> has_failed = false;
   auto const append = [&](std::string const& text) {

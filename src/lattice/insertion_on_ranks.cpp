@@ -16,17 +16,18 @@
 #include "gridlock/parallel/detail/exchange.hpp"
 #include "lattice/random_insertion.hpp"
 
-// One process takes the disks in an order, the largest first, and gives each the first of its points that overlaps no disk before it. Here a batch
-// of disks next in the order looks for places together:
+// One process takes the disks in an order, the largest first, and gives each the first of its points that overlaps no
+// disk before it. Here a batch of disks next in the order looks for places together:
 //
 //     rank that draws        draws the points of a disk; disks are dealt out to ranks in turn, so that each batch is shared evenly
 //     rank that has a place  has a slab of the box, with the disks in it and in a rim as wide as two disks that touch
 //
-// A point that overlaps a disk of an earlier batch fails for ever. Of the other points of a disk, its free points, the first counts that overlaps no
-// chosen point of an earlier disk of the batch: it is chosen. Choices change until none has to: a point that is chosen may block free points of later
-// disks, which then choose others. That ends, and with the choices of one process: those of the first disk of the batch are right after one
-// round, and once those of the first n disks are right they stay, and those of disk n + 1 are right after another round. Most points
-// block none, so that some rounds are enough for batches of any length.
+// A point that overlaps a disk of an earlier batch fails for ever. Of the other points of a disk, its free points, the
+// first counts that overlaps no chosen point of an earlier disk of the batch: it is chosen. Choices change until none
+// has to: a point that is chosen may block free points of later disks, which then choose others. That ends, and with
+// the choices of one process: those of the first disk of the batch are right after one round, and once those of the
+// first n disks are right they stay, and those of disk n + 1 are right after another round. Most points block none, so
+// that some rounds are enough for batches of any length.
 
 namespace gridlock {
 
@@ -42,7 +43,8 @@ bool is_before(PlaceInOrder one, PlaceInOrder other) {
 }
 constexpr PlaceInOrder after_all{.radius = 0.0, .row = std::numeric_limits<std::uint64_t>::max()};
 
-/// A point that a disk tries, the number of those before it, and who wants to know: the disk has a number on the rank that draws.
+/// A point that a disk tries, the number of those before it, and who wants to know: the disk has a number on the rank
+/// that draws.
 struct Attempt {
   Vector p;
   PlaceInOrder place;
@@ -67,7 +69,8 @@ struct Answer {
   FreePoint point;
 };
 
-/// The box cut into slabs of rows of cells across its longer side, one for each rank; a rank without a row has an empty one.
+/// The box cut into slabs of rows of cells across its longer side, one for each rank; a rank without a row has an empty
+/// one.
 class Slabs {
  public:
   Slabs(Box const& box, double largest_radius, std::uint64_t disks, std::size_t ranks)
@@ -171,7 +174,8 @@ class SlabLists {
     things_.clear();
     next_.clear();
   }
-  /// Calls visit(number, thing) for all that are nearer to p than `cutoff`, and some others, until it returns false. Cells of other slabs have none.
+  /// Calls visit(number, thing) for all that are nearer to p than `cutoff`, and some others, until it returns false.
+  /// Cells of other slabs have none.
   template <class Visit>
   void for_each_near(Vector p, double cutoff, Visit visit) const {
     bool is_wanted = true;
@@ -470,7 +474,8 @@ class PartOfInsertion {
     while (count < size_ && is_before(seekers_[count].place(), *end_)) ++count;
     return count;
   }
-  /// How many points a disk of the batch draws now: as many again as before, while nothing tells that its next point is free.
+  /// How many points a disk of the batch draws now: as many again as before, while nothing tells that its next point is
+  /// free.
   [[nodiscard]] std::uint64_t points_of(Seeker const& seeker) const {
     if (seeker.best() != nullptr) return 0;
     std::uint64_t const most = attempts_left_ - std::min(attempts_left_, seeker.drawn());
@@ -530,7 +535,8 @@ class PartOfInsertion {
     places_.forget_answers();
   }
 
-  /// Who has to draw or to choose still. Those behind the end need not: if all before it have what one process gives them, so has the end.
+  /// Who has to draw or to choose still. Those behind the end need not: if all before it have what one process gives
+  /// them, so has the end.
   void look_at_batch() {
     end_.reset();
     sums_ = sums_of_batch();
@@ -538,7 +544,8 @@ class PartOfInsertion {
     end_ = find_end();
     sums_ = sums_of_batch();
   }
-  /// Where disks of one batch block most points of another, these are kept and looked at again and again. A batch of one disk keeps one.
+  /// Where disks of one batch block most points of another, these are kept and looked at again and again. A batch of
+  /// one disk keeps one.
   [[nodiscard]] bool is_crowded() const { return share_ > 1 && sums_[kept] > 4 * sums_[disks] + 1000; }
 
   enum Sum : std::size_t { busy, failures, blocked, disks, kept, number_of_sums };
@@ -557,8 +564,9 @@ class PartOfInsertion {
     return sums;
   }
 
-  /// The disk at which the insertion is given up, as far as it is known: where the failures of all before it and its own use the attempts up.
-  /// Every rank looks at all disks of the batch that failed. Batches are short by then: few points are free, and those block each other.
+  /// The disk at which the insertion is given up, as far as it is known: where the failures of all before it and its
+  /// own use the attempts up. Every rank looks at all disks of the batch that failed. Batches are short by then: few
+  /// points are free, and those block each other.
   [[nodiscard]] PlaceInOrder find_end() {
     struct Failed {
       PlaceInOrder place;

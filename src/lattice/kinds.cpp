@@ -60,7 +60,8 @@ void require_one_description_of_sizes(DisksSettings const& settings) {
                .key = "disks.sizes"});
 }
 
-/// The kinds before they are dealt out: one species after the other, or the sizes of a distribution from the smallest to the largest.
+/// The kinds before they are dealt out: one species after the other, or the sizes of a distribution from the smallest
+/// to the largest.
 class KindsInOrder {
  public:
   /// All processes call it.
@@ -102,8 +103,8 @@ class KindsInOrder {
   std::optional<Sizes> sizes_;
 };
 
-/// The random numbers of a deal in reverse order. Generators only go forwards, so it remembers where they were at every border of
-/// a block, and draws block by block.
+/// The random numbers of a deal in reverse order. Generators only go forwards, so it remembers where they were at every
+/// border of a block, and draws block by block.
 class DealBackwards {
  public:
   DealBackwards(std::uint64_t count, std::uint64_t seed)
@@ -135,8 +136,8 @@ class DealBackwards {
   std::vector<RandomStream> borders_;
 };
 
-/// The places of some disks while all are dealt out: which of them is where is found in chains of those whose places agree in their last
-/// bits, and a bit for each place of all tells quickly that none is there.
+/// The places of some disks while all are dealt out: which of them is where is found in chains of those whose places
+/// agree in their last bits, and a bit for each place of all tells quickly that none is there.
 class PlacesInDeal {
  public:
   /// They begin at first … end − 1.
@@ -148,7 +149,7 @@ class PlacesInDeal {
     for (std::uint64_t k = 0; k < places_.size(); ++k) put(k, first + k);
   }
 
-  /// Whoever is at one of two places goes to the other.
+  /// Swaps the disks at two places.
   void exchange(std::uint64_t place, std::uint64_t other) {
     if (place == other || (!is_taken_[place] && !is_taken_[other])) return;
     std::uint64_t const at_place = take(place);

@@ -38,8 +38,8 @@ double width_of_inverse_cube(double spread) {
   return below;
 }
 
-/// The x ≥ 0 below which, from 0 on, lies the share p < ½ of a normal distribution of variance 1. Newton's steps from 0 never
-/// pass it, since Φ is concave there; both Φ and its derivative come from the power series of exp(−x²/2).
+/// The x ≥ 0 below which, from 0 on, lies the share p < ½ of a normal distribution of variance 1. Newton's steps from 0
+/// never pass it, since Φ is concave there; both Φ and its derivative come from the power series of exp(−x²/2).
 double normal_quantile(double p) {
   constexpr double normalization = 0.39894228040143267794;  // 1/√(2π)
   double x = 0.0;

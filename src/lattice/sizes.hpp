@@ -9,11 +9,11 @@
 
 namespace gridlock {
 
-/// The radii of `count` disks in units of their mean, from the smallest to the largest: the quantiles (k + ½)/count of the
-/// distribution of the settings, so that every seed has the same sizes. Additions, multiplications, divisions and square roots
-/// alone, so that every compiler gives the same bits.
-/// Cost: that of the quantiles of the rows of a share, up to a microsecond each, to find the mean; then of one for each other size that is
-/// asked for. Memory: 8 bytes for each row of the share.
+/// The radii of `count` disks in units of their mean, from the smallest to the largest: the quantiles (k + ½)/count of
+/// the distribution of the settings, so that every seed has the same sizes. Additions, multiplications, divisions and
+/// square roots alone, so that every compiler gives the same bits.
+/// Cost: that of the quantiles of the rows of a share, up to a microsecond each, to find the mean; then of one for each
+/// other size that is asked for. Memory: 8 bytes for each row of the share.
 class Sizes {
  public:
   /// All processes call it. Errors: Error, in all of them, for a spread that the distribution cannot have.

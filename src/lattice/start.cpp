@@ -153,8 +153,9 @@ RandomInsertion insertion_of_all(Box const& box, Kinds const& kinds, double radi
   return {box, radii_of(kinds, radius, ShareOfRows(kinds.count())), seed};
 }
 
-/// What random insertion can reach with disks of these settings, found by doing it: with all of the disks where they are
-/// few, otherwise with a sample of the same mixture in a periodic box, which takes about a second where no more fit.
+/// The packing fraction that random insertion can reach with disks of these settings, found by doing it: with all of
+/// the disks where they are few, otherwise with a sample of the same mixture in a periodic box, which takes about a
+/// second where no more fit.
 class InsertionTrial {
  public:
   InsertionTrial(Box const& box, DisksSettings const& settings, std::uint64_t count, std::uint64_t seed)
@@ -164,7 +165,7 @@ class InsertionTrial {
         is_sample_(count > most_disks) {}
 
   [[nodiscard]] bool is_sample() const { return is_sample_; }
-  /// Of the disks that are tried.
+  /// The kinds of the disks that are tried.
   [[nodiscard]] Kinds const& kinds() const { return kinds_; }
 
   /// Whether the sample represents the mixture: a few disks that cover most of the area tell little.
@@ -178,7 +179,7 @@ class InsertionTrial {
     return !is_sample_ || sum * sum >= 1000.0 * squares;
   }
 
-  /// What came of the disks at a packing fraction.
+  /// The result of a trial at a packing fraction.
   struct Outcome {
     double share_placed = 0.0;      ///< of the disks, by number
     double packing_fraction = 0.0;  ///< of those that found room
@@ -215,7 +216,7 @@ class InsertionTrial {
   bool is_sample_;
 };
 
-/// What to do instead of a random start that finds no room, in numbers that do fit.
+/// The hint in place of a random start that finds no room, in numbers that do fit.
 std::string instead_of_random(Box const& box, DisksSettings const& settings, Kinds const& kinds,
                               std::optional<double> reachable) {
   std::string hint;

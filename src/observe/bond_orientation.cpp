@@ -26,12 +26,12 @@ double neighbour_distance(Box const& box, std::size_t agents) {
   return std::min(cutoff, 0.5 * std::min(box.width(), box.height()));
 }
 
-/// Components of exp(6 i θ), |component| ≤ 1, as whole numbers of which N can be added in any order and neither round nor overflow:
-/// in units of 2^(b − 62), where N < 2^b. So a component is off by half of that at most: 1e-13 for a million agents, less than the
-/// rounding of the component itself below 500.
+/// Components of exp(6 i θ), |component| ≤ 1, as whole numbers of which N can be added in any order and neither round
+/// nor overflow: in units of 2^(b − 62), where N < 2^b. So a component is off by half of that at most: 1e-13 for a
+/// million agents, less than the rounding of the component itself below 500.
 class BondSums {
  public:
-  /// Of those agents, who are some of `all`.
+  /// Makes the sums of `agents`, which are some of `all`.
   BondSums(std::size_t agents, std::size_t all)
       : units_(std::ldexp(1.0, 62 - static_cast<int>(std::bit_width(all)))), sums_(agents), counts_(agents) {}
 

@@ -29,9 +29,9 @@ struct BondOrientationOrder {
 /// the square lattice, whose eight neighbours cancel.
 /// exp(6 i θ) is the third power of the complex number (Δx + iΔy)²/|Δr|²: no trigonometry, no square root.
 /// Absent for no agents. Cost: O(N), about 0.2 µs an agent.
-/// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
-/// Bonds are added as whole numbers, so that ψ6 depends on no order: a component of exp(6 i θ) is rounded to N·2⁻⁶¹ or less, 1e-12 of a
-/// million agents at most, and even N bonds do not overflow.
+/// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457. Bonds are added as whole numbers, so
+/// that ψ6 depends on no order: a component of exp(6 i θ) is rounded to N·2⁻⁶¹ or less, 1e-12 of a million agents at
+/// most, and even N bonds do not overflow.
 /// Contract: the agents have x and y.
 std::optional<BondOrientationOrder> bond_orientation_order(Snapshot const& now);
 inline std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {

@@ -13,7 +13,8 @@
 
 namespace gridlock {
 
-/// How far the agents have come from where they were at begin(). Needs x and y, in a periodic box image_x and image_y too.
+/// How far the agents have come from where they were at begin(). Needs x and y, in a periodic box image_x and image_y
+/// too.
 ///
 ///     mean_displacement         = (1/N) Σ_i |u_i| / √A                    fraction of the side √A of the box
 ///     mean_squared_displacement = (1/N) Σ_i u_i²                          length²
@@ -23,16 +24,18 @@ namespace gridlock {
 /// (n_x, n_y) counts the periodic edges crossed since begin(), so a disk that goes once around a periodic box has moved
 /// by its whole side. Only agents alive since begin() enter.
 ///
-/// The drift of the centre is not taken out of the first two. In a periodic box it is large under a rule that halts disks
-/// (`stepped`, `tiled`): halting keeps the momentum, but not the motion of the centre, and which disks halt depends on the
-/// order of the turns. It is no physics, and goes away with the time step: docs/explanation/paper.md, "In a periodic box". What is left
-/// without it is about the centre: √(mean_squared_displacement/A − centre_displacement²), of the side, is the root mean
-/// square. The centre is that of the places, every disk alike; of mass where all masses are equal.
+/// The drift of the centre is not taken out of the first two. In a periodic box it is large under a rule that halts
+/// disks (`stepped`, `tiled`): halting keeps the momentum, but not the motion of the centre, and which disks halt
+/// depends on the order of the turns. It is no physics, and goes away with the time step: docs/explanation/paper.md,
+/// "In a periodic box". What is left without it is about the centre: √(mean_squared_displacement/A −
+/// centre_displacement²), of the side, is the root mean square. The centre is that of the places, every disk alike; of
+/// mass where all masses are equal.
 ///
 /// Results are the values of the last sample, whether it counts for averages or not: all grow with time and have no
-/// average. The standard error of the first two comes from 16 blocks of agents with neighbouring Ids, which neighbours share on a
-/// lattice start; it is the uncertainty of this one trajectory from the scatter between regions, and too small where
-/// the whole system moves together. Errors over seeds are safer. That of the centre has none: there is but one.
+/// average. The standard error of the first two comes from 16 blocks of agents with neighbouring Ids, which neighbours
+/// share on a lattice start; it is the uncertainty of this one trajectory from the scatter between regions, and too
+/// small where the whole system moves together. Errors over seeds are safer. That of the centre has none: there is but
+/// one.
 /// Cost: one pass over the agents, one square root each. Memory: 32 bytes an agent.
 /// Source: the mean displacement is J.-X. Shen's measure of jamming, Agent based simulations and optimization with
 /// uniform grid applied to colloidal jamming transitions; the mean square is A. Einstein's (1905),

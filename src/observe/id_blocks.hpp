@@ -9,8 +9,8 @@
 
 namespace gridlock {
 
-/// Sixteen blocks of neighbouring Ids, of all agents in Id order, equal in size to one agent: the agent in place p of N is in
-/// block 16 p / N, rounded down.
+/// Sixteen blocks of neighbouring Ids, of all agents in Id order, equal in size to one agent: the agent in place p of N
+/// is in block 16 p / N, rounded down.
 class IdBlocks {
  public:
   static constexpr std::size_t count = 16;  ///< a power of two
@@ -19,7 +19,7 @@ class IdBlocks {
   /// `index` has the agents of this process; all processes make theirs together. Cost on several: 64 rounds of messages.
   IdBlocks(Snapshot const& now, IdIndex const& index);
 
-  /// Of an agent in the index.
+  /// The block of an agent in the index.
   [[nodiscard]] std::size_t block_of(Id id) const {
     // Bisection without branches, for Ids in no order.
     std::size_t block = 0;

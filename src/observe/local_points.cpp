@@ -117,8 +117,8 @@ struct PointsOfCells {
   CellWindow window;    ///< of all their cells
 };
 
-/// All points of the slab of this process, and those of the cells around as far as the cutoff reaches; every point is an own one of one
-/// process. (x[i], y[i]) are points of this process anywhere.
+/// All points of the slab of this process, and those of the cells around as far as the cutoff reaches; every point is
+/// an own one of one process. (x[i], y[i]) are points of this process anywhere.
 PointsOfCells points_of_slab(Communicator& processes, CellLayout const& layout, double cutoff,
                              std::span<double const> x, std::span<double const> y) {
   Lines const lines(layout, cutoff);
@@ -159,7 +159,8 @@ PointsOfCells points_of_slab(Communicator& processes, CellLayout const& layout, 
   return points;
 }
 
-/// Puts points first … end − 1 in the order of their cells: points that are near one another in memory, too, are found five times as fast.
+/// Puts points first … end − 1 in the order of their cells: points that are near one another in memory, too, are found
+/// five times as fast.
 void put_in_order_of_cells(CellLayout const& layout, PointsOfCells& points, std::size_t first, std::size_t end) {
   std::vector<std::uint64_t> cells(end - first);
   for (std::size_t k = 0; k < cells.size(); ++k) {

@@ -6,8 +6,8 @@
 
 namespace gridlock {
 
-// What observables measure of the velocities, once for all that ask the same snapshot. The sums are exact, so that the order of the
-// rows changes no bit; those of core, which feed back into states, keep the bits of a sum row by row.
+// Energy and temperature, measured once for all observables that ask the same snapshot. The sums are exact, so that the
+// order of the rows changes no bit; those of core, which feed back into states, keep the bits of a sum row by row.
 
 /// ½ Σ m v². Contract: the agents have a mass and a velocity. Cost: one pass over the agents, the first time.
 double measured_kinetic_energy(Snapshot const& now);

@@ -48,8 +48,8 @@ std::vector<CountedMass> merged(Communicator& processes, std::vector<CountedMass
   return MessageReader(all).rest<CountedMass>();
 }
 
-/// The different masses in rising order; where they are many, those to sixteen binary digits, which move Maxwell's curve by less than
-/// 1e-5 of itself: no process is to have a mass for each agent.
+/// The different masses in rising order; where they are many, those to sixteen binary digits, which move Maxwell's
+/// curve by less than 1e-5 of itself: no process is to have a mass for each agent.
 std::vector<CountedMass> masses_of(Snapshot const& now) {
   constexpr std::size_t many = std::size_t{1} << 16U;
   auto const column = now.agents.column<Mass>();

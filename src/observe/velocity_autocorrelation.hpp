@@ -18,12 +18,12 @@ namespace gridlock {
 ///
 ///     velocity_autocorrelation(t) = Σ_i v_i(t₀)·v_i(t₀ + t) / Σ_i v_i(t₀)²          pure number, 1 at t = 0
 ///
-/// The first origin t₀ is the first sample that counts for averages. With origin_every = n every n-th sample from there is
-/// the next origin: the series shows the correlation with the last one, and the distribution "velocity_autocorrelation",
-/// n values of t, is the mean over origins with errors from blocks of them. With 0 there is one origin only: the curve
-/// has the noise of N agents, and errors from 16 blocks of agents with neighbouring Ids. The spacing of the curve is that
-/// of the samples, so choose observe.every well below the mean free time. Undefined at rest. Only agents alive since t₀
-/// enter.
+/// The first origin t₀ is the first sample that counts for averages. With origin_every = n every n-th sample from there
+/// is the next origin: the series shows the correlation with the last one, and the distribution
+/// "velocity_autocorrelation", n values of t, is the mean over origins with errors from blocks of them. With 0 there is
+/// one origin only: the curve has the noise of N agents, and errors from 16 blocks of agents with neighbouring Ids. The
+/// spacing of the curve is that of the samples, so choose observe.every well below the mean free time. Undefined at
+/// rest. Only agents alive since t₀ enter.
 /// Cost: one pass over the agents. Memory: 24 bytes an agent, and 24 a sample or 550 for each of the n.
 /// Source: B. J. Alder & T. E. Wainwright (1970), doi:10.1103/PhysRevA.1.18.
 class VelocityAutocorrelation final : public Observable {

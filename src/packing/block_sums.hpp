@@ -13,8 +13,8 @@ inline constexpr std::size_t block_size = 256;
 
 inline std::size_t blocks_of(std::size_t disks) { return (disks + block_size - 1) / block_size; }
 
-/// Adds up part(first, end) of all blocks of disks in their order: the same bits for any number of threads. A sum has a value 0
-/// without arguments, and an operator +=.
+/// Adds up part(first, end) of all blocks of disks in their order: the same bits for any number of threads. A sum has a
+/// value 0 without arguments, and an operator +=.
 template <class Sum, class Part>
 Sum sum_over_blocks(std::size_t disks, ThreadPool& pool, Part const& part) {
   auto const part_of = [&](std::size_t block) {

@@ -28,7 +28,8 @@ void require_share(double value, std::string_view name) {
                .key = "disks"});
 }
 
-/// Disks that reach beyond the centres of others have no minimum near, and where centres meet a contact has no direction.
+/// Disks that reach beyond the centres of others have no minimum near, and where centres meet a contact has no
+/// direction.
 void require_small_overlaps(std::span<Contact const> contacts, std::size_t disks) {
   auto const deepest = std::ranges::max_element(contacts, {}, &Contact::overlap);
   if (deepest == contacts.end() || deepest->overlap() <= largest_overlap) return;
@@ -110,7 +111,8 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
   }
   network.residual_force = largest / network.mean_force;
   network.rms_residual_force = std::sqrt(squares / static_cast<double>(network.size())) / network.mean_force;
-  // A few last bits of a coordinate over the mean overlap: twice what Minimizer takes for converged, for files round once more.
+  // A few last bits of a coordinate over the mean overlap: twice what Minimizer takes for converged, for files round
+  // once more.
   double const rounding = 0x1p-49 * std::max(box.width(), box.height());
   double const mean_overlap = network.smallest_diameter * sum_of_overlaps / static_cast<double>(overlaps);
   network.rounding_residual = std::min(largest_rounding_residual, rounding / mean_overlap);

@@ -42,12 +42,14 @@ struct HessianBlock {
   }
 };
 
-/// The second derivatives of the energy of a contact by the separation of its two disks: k n nᵀ − (f/r) (1 − n nᵀ), at a wall k n nᵀ.
+/// The second derivatives of the energy of a contact by the separation of its two disks: k n nᵀ − (f/r) (1 − n nᵀ), at
+/// a wall k n nᵀ.
 HessianBlock block_of(Contact const& contact, Potential potential, bool is_at_wall);
 
 /// The second derivatives of the energy by the positions, the lower triangle.
 ///
-/// A contact gives its block to the diagonal blocks of its two disks, and the negative of it to the block between them. A disk that is held acts as a wall of its shape.
+/// A contact gives its block to the diagonal blocks of its two disks, and the negative of it to the block between them.
+/// A disk that is held acts as a wall of its shape.
 SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns);
 
 }  // namespace gridlock

@@ -28,7 +28,8 @@ constexpr double most_shift = 1e3;
 constexpr double longest_step = 0.1;  // D
 constexpr int most_halvings = 6;
 constexpr std::uint64_t most_slow_newton_steps = 20;
-/// Near a minimum Newton's method is tried again after so many iterations of the others, which take about as long as those steps.
+/// Near a minimum Newton's method is tried again after so many iterations of the others, which take about as long as
+/// those steps.
 constexpr std::uint64_t iterations_before_newton_again = 2000;
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
@@ -40,7 +41,8 @@ constexpr double least_energy_of_descent = 1e-8;
 
 constexpr double displacement_from_saddle = 1e-4;  // D
 constexpr double curvature_of_saddle = -1e-7;      // ε/D²
-/// The curvature says nothing where forces do not balance better than this: it is that of a way, and not of a minimum or a saddle.
+/// The curvature says nothing where forces do not balance better than this: it is that of a way, and not of a minimum
+/// or a saddle.
 constexpr double max_residual_of_saddle = 1e-3;
 
 constexpr std::uint64_t iterations_per_look = 8;
@@ -145,7 +147,8 @@ class Minimizer::Search {
   }
   [[nodiscard]] bool is_given_up() const { return iterations_ >= settings_.iterations; }
 
-  /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a marginal packing does.
+  /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a
+  /// marginal packing does.
   bool is_at_saddle(Packing const& packing) {
     if (settings_.newton_residual == 0.0 || look(packing).residual() > max_residual_of_saddle) return false;
     return !factorize(analyzed_hessian(packing), -curvature_of_saddle);
@@ -193,8 +196,8 @@ class Minimizer::Search {
     start_fire();
   }
 
-  /// Where no step halves the residual the cheaper methods take over, down to a tenth of it: contacts still open and close, and the
-  /// Hessian of a moment says little.
+  /// Where no step halves the residual the cheaper methods take over, down to a tenth of it: contacts still open and
+  /// close, and the Hessian of a moment says little.
   void newton_step(Packing& packing, ForceSums const& sums) {
     ++iterations_;
     fire_.stop();
@@ -251,7 +254,7 @@ class Minimizer::Search {
     fire_.start(diameter_);
   }
 
-  /// Of the methods that take over from Newton's.
+  /// Iterations of the methods that take over from Newton's.
   void count_iteration() {
     if (++iterations_ == newton_again_at_) begin_near_minimum();
   }
@@ -264,8 +267,9 @@ class Minimizer::Search {
     start_fire();
   }
 
-  /// Moves along step_, by no more than 0.1 D for any disk and half as far again and again until the energy falls by as much as the
-  /// slope promises or the residual halves. Returns the share of the step; nothing, and the disks where they were, where neither comes.
+  /// Moves along step_, by no more than 0.1 D for any disk and half as far again and again until the energy falls by as
+  /// much as the slope promises or the residual halves. Returns the share of the step; nothing, and the disks where
+  /// they were, where neither comes.
   std::optional<double> descend(Packing& packing, ForceSums const& sums, double slope) {
     before_.x = packing.x;
     before_.y = packing.y;

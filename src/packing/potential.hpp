@@ -6,8 +6,8 @@
 
 namespace gridlock {
 
-/// A potential and its derivatives as functions of the overlap δ and the contact distance σ; 0 without overlap. No function but the
-/// square root is used, so that every compiler gives the same bits.
+/// A potential and its derivatives as functions of the overlap δ and the contact distance σ; 0 without overlap. No
+/// function but the square root is used, so that every compiler gives the same bits.
 class Law {
  public:
   explicit Law(Potential potential) : is_harmonic_(potential == Potential::harmonic) {}

@@ -19,17 +19,19 @@ namespace {
 constexpr double least_share_of_goal = 0.3;
 /// From a pressure that is too high a ramp up comes back in steps down to this share of it.
 constexpr double share_of_step_back = 0.32;
-/// Of a step down. Disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
+/// Halvings of a step down. Disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures.
+/// They rearrange at once.
 constexpr std::uint64_t most_halvings_of_ramp = 12;
 /// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
 constexpr std::uint64_t most_minima_between_levels = 300;
 /// Minima near the pressure asked for before it is given up; usually there are one to three.
 constexpr std::uint64_t most_minima_near_end = 20;
 
-/// The first step up from disks that do not press makes so many pairs of each disk touch, of about two in a jammed packing.
+/// The first step up from disks that do not press makes so many pairs of each disk touch, of about two in a jammed
+/// packing.
 constexpr double pairs_of_a_disk = 1.5;
 
-/// Of a disk, in smallest diameters, by the response to growth.
+/// Longest displacement of a disk, in smallest diameters, by the response to growth.
 constexpr double longest_step_of_ramp = 0.1;
 
 /// du/dφ where nothing better is known: that of random packings of two sizes.
@@ -49,13 +51,14 @@ double nth_root(double value, std::uint64_t n) {
   return x;
 }
 
-/// What is linear in the distance to jamming: p, or p^(2/3).
+/// The function of p that is linear in the distance to jamming: p, or p^(2/3).
 double linear_pressure(double pressure, Potential potential) {
   if (pressure <= 0.0) return 0.0;
   return potential == Potential::harmonic ? pressure : nth_root(pressure * pressure, 3);
 }
 
-/// One member of every level. A file can hold anything: there are as many levels as the columns have numbers, and no more.
+/// One member of every level. A file can hold anything: there are as many levels as the columns have numbers, and no
+/// more.
 template <class Value>
 void serialize_column(Archive& archive, std::string_view name, std::uint64_t count, std::vector<PressureLevel>& levels,
                       Value PressureLevel::*member) {
@@ -150,8 +153,9 @@ void PressureRamp::try_packing_fraction(double packing_fraction) {
   is_near_minimum ? minimizer_.restart_near_minimum(std::move(next)) : minimizer_.restart(std::move(next));
 }
 
-/// Moves the disks as the contacts of the last minimum let them, so that all forces grow or shrink alike. Where disks stay, the weak
-/// contacts of a packing near jamming open at once, and the minimizer has to find the network anew. Returns whether it has moved them.
+/// Moves the disks as the contacts of the last minimum let them, so that all forces grow or shrink alike. Where disks
+/// stay, the weak contacts of a packing near jamming open at once, and the minimizer has to find the network anew.
+/// Returns whether it has moved them.
 bool PressureRamp::move_with_growth(Packing& packing, double growth) {
   if (pressure_ == 0.0) return false;
   if (!response_) response_ = find_growth_response(find_contact_network(good_, settings_.minimizer.potential));
@@ -276,7 +280,8 @@ void PressureRamp::approach(double goal) {
   try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
 }
 
-/// The growth after which `pairs_of_a_disk` pairs for each disk overlap: disks that nearly touch are pressed no more than they must.
+/// The growth after which `pairs_of_a_disk` pairs for each disk overlap: disks that nearly touch are pressed no more
+/// than they must.
 double PressureRamp::step_to_first_contacts() const {
   double const largest_gap = settings_.step / packing_fraction_;
   std::vector<Contact> pairs = find_contacts(good_, largest_gap);

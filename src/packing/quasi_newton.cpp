@@ -18,7 +18,8 @@ constexpr std::size_t most_pairs = 5;
 /// Sums side by side, so that registers of any width give the same bits.
 using Lanes = std::array<double, 32>;
 
-/// Adds a b of the numbers from first to end, which are fewer than there are lanes, each to its lane; returns all lanes together.
+/// Adds a b of the numbers from first to end, which are fewer than there are lanes, each to its lane; returns all lanes
+/// together.
 double finish(Lanes& sums, double const* a, double const* b, std::size_t first, std::size_t end) {
   for (std::size_t k = first; k < end; ++k) sums[k - first] += a[k] * b[k];
   for (std::size_t half = sums.size() / 2; half > 0; half /= 2) {

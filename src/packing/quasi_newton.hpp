@@ -9,15 +9,16 @@
 
 namespace gridlock {
 
-/// The limited-memory method of Broyden, Fletcher, Goldfarb and Shanno: the inverse of the Hessian as the last few steps and what
-/// they changed in the forces tell it.
+/// The limited-memory method of Broyden, Fletcher, Goldfarb and Shanno: the inverse of the Hessian as the last few
+/// steps and what they changed in the forces tell it.
 /// Source: D. C. Liu and J. Nocedal (1989), doi:10.1007/BF01589116.
 class QuasiNewton {
  public:
   /// first_scale: the step for a unit force while nothing is known.
   QuasiNewton(std::size_t disks, double first_scale) : disks_(disks), first_scale_(first_scale) {}
 
-  /// Writes the step that leads to where forces vanish if the energy is the quadratic form that is known. Returns step · force.
+  /// Writes the step that leads to where forces vanish if the energy is the quadratic form that is known. Returns step
+  /// · force.
   double find_direction(Columns const& force, Columns& step, ThreadPool& pool);
   /// Learns from a step that was `scale` times this one. One along which the energy curves down is not learnt from.
   void remember(Columns const& step, double scale, Columns const& force_before, Columns const& force_after,

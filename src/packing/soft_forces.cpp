@@ -170,7 +170,8 @@ void SoftForces::Touching::make_room_for(std::size_t entries) {
 #ifdef GRIDLOCK_AVX512
 namespace {
 
-/// Distance along x, contact distance, distance along y, and nothing: of the entry in the lower half, of the fourth behind it in the upper.
+/// Distance along x, contact distance, distance along y, and nothing: of the entry in the lower half, of the fourth
+/// behind it in the upper.
 GRIDLOCK_AVX512 __m512d pair_of_differences(DiskRow const* rows, std::uint32_t const* entry,
                                             std::uint32_t const* owner) {
   __m256d const lower =
@@ -307,8 +308,9 @@ void SoftForces::push_from_walls(Packing const& packing, std::size_t first, std:
   }
 }
 
-/// With is_half every pair is in the list of its lower number alone, and gives its force to both: by the time a disk's own list is
-/// reached, all lower numbers have given theirs, in order. Otherwise a disk takes all its forces itself, in the same order.
+/// With is_half every pair is in the list of its lower number alone, and gives its force to both: by the time a disk's
+/// own list is reached, all lower numbers have given theirs, in order. Otherwise a disk takes all its forces itself, in
+/// the same order.
 ///
 /// Which entries are in contact cannot be predicted: they are gathered without a branch, then computed together.
 template <Potential potential, bool is_half>

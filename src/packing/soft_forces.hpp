@@ -19,7 +19,7 @@ struct Columns {
   explicit Columns(std::size_t size) : x(size), y(size) {}
 };
 
-/// What forces on all disks add up to.
+/// The sums of the forces on all disks.
 struct ForceSums {
   double energy = 0.0;
   double contact_forces = 0.0;  ///< Σ f over contacts
@@ -42,8 +42,8 @@ struct ForceSums {
   [[nodiscard]] double residual() const;
 };
 
-/// What the force on a disk needs of it, side by side: where two of these have every other number subtracted and the rest added, their
-/// distances along x and y and their contact distance come out.
+/// The numbers of a disk that its force needs, side by side: where two of these have every other number subtracted and
+/// the rest added, their distances along x and y and their contact distance come out.
 struct alignas(32) DiskRow {
   double x;
   double radius;
@@ -51,11 +51,11 @@ struct alignas(32) DiskRow {
   double unused = 0.0;
 };
 
-/// The forces between soft disks, by a Verlet list: pairs nearer than their contact distance and a skin, found anew once disks
-/// may have crossed it.
+/// The forces between soft disks, by a Verlet list: pairs nearer than their contact distance and a skin, found anew
+/// once disks may have crossed it.
 ///
-/// A disk adds up the forces of its partners in the order of their numbers, and sums over disks are taken block by block, so that the
-/// bits depend neither on the list nor on the threads.
+/// A disk adds up the forces of its partners in the order of their numbers, and sums over disks are taken block by
+/// block, so that the bits depend neither on the list nor on the threads.
 class SoftForces {
  public:
   SoftForces(Packing const& packing, Potential potential, std::uint64_t threads);
@@ -113,7 +113,8 @@ class SoftForces {
   Columns built_at_;
   std::vector<double> built_radii_;
   std::vector<std::size_t> begin_;
-  /// A partner in the lower bits, and above them which of its images is near: half of the pairs for one thread, both ways for more.
+  /// A partner in the lower bits, and above them which of its images is near: half of the pairs for one thread, both
+  /// ways for more.
   std::vector<std::uint32_t> entries_;
   std::vector<std::uint32_t> owners_;  ///< the disk in whose list an entry is
   std::vector<DiskRow> rows_;

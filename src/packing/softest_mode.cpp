@@ -33,7 +33,8 @@ void remove_shift(VectorXd& mode) {
   }
 }
 
-/// Adds to the diagonal what makes H positive definite: the Cholesky factor of H + s 1, the same in every order of disks.
+/// Adds to the diagonal what makes H positive definite: the Cholesky factor of H + s 1, the same in every order of
+/// disks.
 class ShiftedInverse {
  public:
   explicit ShiftedInverse(SparseMatrix const& hessian) {
@@ -124,7 +125,8 @@ class Lanczos {
   VectorXd mode_;
 };
 
-/// The eigenvector of the smallest eigenvalue; of a periodic packing but the two that shift it, which a large stiffness takes out of the way.
+/// The eigenvector of the smallest eigenvalue; of a periodic packing but the two that shift it, which a large stiffness
+/// takes out of the way.
 VectorXd mode_of_dense(SparseMatrix const& hessian, bool is_periodic) {
   MatrixXd full = MatrixXd(hessian).selfadjointView<Eigen::Lower>();
   if (is_periodic) {

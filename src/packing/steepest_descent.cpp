@@ -33,8 +33,8 @@ struct Chebyshev {
   [[nodiscard]] double weight() const { return curvature / (slope * slope); }
 };
 
-/// A bound of the largest eigenvalue of the Hessian. As (n·(u − v))² ≤ 2 (n·u)² + 2 (n·v)², it is twice the largest eigenvalue of what
-/// the contacts of one disk add to its own block. Stresses only lower it.
+/// A bound of the largest eigenvalue of the Hessian. As (n·(u − v))² ≤ 2 (n·u)² + 2 (n·v)², it is twice the largest
+/// eigenvalue of what the contacts of one disk add to its own block. Stresses only lower it.
 double bound_of_eigenvalues(std::span<Contact const> contacts, Potential potential, std::size_t disks) {
   std::vector<HessianBlock> blocks(disks);
   for (Contact const& contact : contacts) {
@@ -74,7 +74,8 @@ ForceSums SteepestDescent::step(Packing& packing, SoftForces& forces, Potential 
     ForceSums const sums = try_step(packing, forces, stages, velocities, force);
     double const error = find_error(packing, force) / (max_error * diameter_);
     bool const is_good = error <= 1.0;
-    // The error grows as the third power of the time; the fourth root is on the safe side, and the same bits everywhere.
+    // The error grows as the third power of the time; the fourth root is on the safe side, and the same bits
+    // everywhere.
     time_ *= std::clamp(0.8 / std::sqrt(std::sqrt(std::max(error, 1e-9))), 0.2, is_good ? 3.0 : 0.6);
     if (is_good) {
       std::swap(force, force_);

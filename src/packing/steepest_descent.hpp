@@ -9,8 +9,9 @@ namespace gridlock {
 
 /// Follows dx/dt = F, the steepest way down, by steps whose error is held below a hundredth of the smallest diameter.
 ///
-/// Each step is one of an explicit Runge–Kutta–Chebyshev method of second order. Its s stages are stable over a time that grows as s², so
-/// that slow ways take few evaluations of the forces; s follows from a bound of the largest eigenvalue of the Hessian.
+/// Each step is one of an explicit Runge–Kutta–Chebyshev method of second order. Its s stages are stable over a time
+/// that grows as s², so that slow ways take few evaluations of the forces; s follows from a bound of the largest
+/// eigenvalue of the Hessian.
 /// Source: B. P. Sommeijer, L. F. Shampine and J. G. Verwer (1998), doi:10.1016/S0377-0427(97)00219-7.
 class SteepestDescent {
  public:

@@ -56,9 +56,10 @@ Communicator& Communicator::alone() {
   return alone;
 }
 
-/// Each rank knows of itself and of as many that follow it as it has heard of, around the circle of ranks, and every message doubles them.
-/// Source: J. Bruck et al., Efficient algorithms for all-to-all communications in multiport message-passing systems (1997),
-/// doi:10.1109/71.642949.
+/// Each rank knows of itself and of as many that follow it as it has heard of, around the circle of ranks, and every
+/// message doubles them.
+/// Source: J. Bruck et al., Efficient algorithms for all-to-all communications in multiport message-passing systems
+/// (1997), doi:10.1109/71.642949.
 std::vector<Message> all_gather(Communicator& ranks, Message own) {
   std::size_t const all = ranks.count();
   std::size_t const rank = ranks.rank();

@@ -8,7 +8,8 @@
 
 namespace gridlock {
 
-/// For each place in the order of the keys of all ranks the largest number with no more keys below it, of those without a higher bit than
+/// For each place in the order of the keys of all ranks the largest number with no more keys below it, of those without
+/// a higher bit than
 /// `highest_bit`: the key at that place, if there is one. No key is there twice. `count_below(number)` counts keys of this rank, and
 /// add_up(counts) makes them those of all ranks. All call it. Cost: a round of messages for each bit.
 template <class CountBelow, class AddUp>

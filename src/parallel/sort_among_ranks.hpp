@@ -15,8 +15,9 @@
 
 namespace gridlock {
 
-/// Where a rank cuts its sorted values so that the first pieces of all ranks are the rows of rank 0 in the order of the keys, the second those of
-/// rank 1: the end of each piece. No key is there twice. All call it. Cost: a round of messages for each bit of the largest key.
+/// Where a rank cuts its sorted values so that the first pieces of all ranks are the rows of rank 0 in the order of the
+/// keys, the second those of rank 1: the end of each piece. No key is there twice. All call it. Cost: a round of
+/// messages for each bit of the largest key.
 template <class Value, class KeyOf>
 std::vector<std::size_t> cuts_of_sorted(Communicator& ranks, std::vector<Value> const& values, RowDivision const& rows,
                                         KeyOf key_of) {
@@ -35,7 +36,8 @@ std::vector<std::size_t> cuts_of_sorted(Communicator& ranks, std::vector<Value> 
   return ends;
 }
 
-/// Puts the values of all ranks in the order of their keys, of which no two are equal: each rank gets its rows of the division. All call it.
+/// Puts the values of all ranks in the order of their keys, of which no two are equal: each rank gets its rows of the
+/// division. All call it.
 /// Memory: the values of a rank once more.
 template <class Value, class KeyOf>
 void sort_among_ranks(Communicator& ranks, std::vector<Value>& values, RowDivision const& rows, KeyOf key_of) {

@@ -93,7 +93,7 @@ std::string setting_of_stage(std::string const& key, std::size_t number) {
   return key;
 }
 
-/// What keeps a stage from beginning, with the stage and its settings.
+/// The error that keeps a stage from beginning, with the stage and its settings.
 Error located(Error const& error, std::size_t number, StageKind kind) {
   std::vector<Problem> problems = error.problems();
   for (Problem& problem : problems) {
@@ -113,7 +113,8 @@ void require_pressing(StageKind kind, State const& start) {
                .key = "protocol[0].stage"});
 }
 
-/// A ramp that begins where it is to end has one minimum, and nothing to extrapolate: the stage before knows where these disks jam.
+/// A ramp that begins where it is to end has one minimum, and nothing to extrapolate: the stage before knows where
+/// these disks jam.
 void take_over_jamming_packing_fraction(StageResult const& before, StageResult& result) {
   bool const is_same = result.levels.size() == 1 && result.packing_fraction == before.packing_fraction;
   if (!is_same || before.levels.empty() || result.jamming_packing_fraction) return;

@@ -17,8 +17,8 @@ using ShouldContinue = std::function<bool()>;
 
 /// One stage of a protocol while it is carried out.
 ///
-/// The state is the one of the start of the stage until advance() says that the stage has ended, unless advance() keeps it up to date
-/// itself; restored, a stage is made for the state that was serialized.
+/// The state is the one of the start of the stage until advance() says that the stage has ended, unless advance() keeps
+/// it up to date itself; restored, a stage is made for the state that was serialized.
 class Stage {
  public:
   Stage() = default;
@@ -31,7 +31,7 @@ class Stage {
   virtual void serialize(Archive& archive, State const& state) = 0;
   /// Iterations, events or trial moves done; tells a state that has changed from one that has not.
   [[nodiscard]] virtual std::uint64_t work() const = 0;
-  /// What came out, after the end.
+  /// The results, after the end.
   [[nodiscard]] virtual StageResult result(State const& state) const = 0;
 };
 

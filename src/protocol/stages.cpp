@@ -33,7 +33,7 @@ Packing quenched_packing(State const& state, std::optional<double> target) {
   return packing;
 }
 
-/// What the contacts at the end of a stage say.
+/// The results from the contacts at the end of a stage.
 void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result) {
   result.pressure = network.pressure;
   std::optional<VibrationMode> const mode = find_softest_mode(network);

@@ -10,8 +10,8 @@
 
 namespace gridlock {
 
-/// Refuses what is wrong with a configuration before anything is made of it: tables of models that are not run, settings
-/// with which no run is possible, more memory than there is. Errors: Error.
+/// Refuses what is wrong with a configuration before anything is made of it: tables of models that are not run,
+/// settings with which no run is possible, more memory than there is. Errors: Error.
 void check(Configuration const& configuration, IsGiven const& is_given, AllProcesses processes);
 
 /// Refuses a run that so many ranks cannot share. Errors: Error.
@@ -21,8 +21,8 @@ void require_use_of_ranks(Configuration const& configuration, std::size_t ranks)
 /// Errors: Error.
 void check_end(Setup const& setup);
 
-/// Notes on settings that were given although nothing of the run depends on them; of a configuration before it is resolved,
-/// which makes the default of what was left out look like a choice.
+/// Notes on settings that were given although nothing of the run depends on them; of a configuration before it is
+/// resolved, which makes the default of what was left out look like a choice.
 std::vector<Event> unused_settings(Configuration const& configuration, IsGiven const& is_given);
 
 /// Notes on frames beyond the end of the run.

@@ -96,14 +96,15 @@ auto blaming_file(std::filesystem::path const& start_file, Act act) {
   }
 }
 
-/// The engine. What counts as valid is the engine's to say: the exact one allows for the rounding of disks it left in contact.
+/// The engine. What counts as valid is the engine's to say: the exact one allows for the rounding of disks it left in
+/// contact.
 std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path const& start_file,
                                    EngineSettings const& settings) {
   return blaming_file(start_file, [&] { return make_engine(settings, state); });
 }
 
-/// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers a
-/// contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
+/// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers
+/// a contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
 void require_short_substeps(EngineSettings const& engine, DisksOverview const& disks) {
   if (!engine_record(engine.kind).has_time_step) return;
   double const substep = step_duration(engine, disks.radii.smallest) / static_cast<double>(engine.substeps);
@@ -455,7 +456,7 @@ StartOfRanks start_of_ranks(Setup& setup, SetupOptions const& options) {
   return {.whole = made_start(setup, false), .file = std::nullopt};
 }
 
-/// What is wrong with the settings of a run of these disks, and what is worth telling.
+/// Refuses settings of a run that do not fit these disks, and adds notes on what is worth telling.
 void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, Clock const& clock,
                  DisksOverview const& disks) {
   require_clock(clock, disks, setup.start_file, settings);

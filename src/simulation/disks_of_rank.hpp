@@ -18,10 +18,12 @@
 
 namespace gridlock {
 
-/// What one of several ranks has of a run of disks: some rows of the state, in the order of the Ids. Nobody has all rows.
+/// What one of several ranks has of a run of disks: some rows of the state, in the order of the Ids. Nobody has all
+/// rows.
 class DisksOfRank final : public AgentsOfRank {
  public:
-  /// All call it. The disks are those of a start that each rank makes by itself, or some that the leader has, all of them or their file.
+  /// All call it. The disks are those of a start that each rank makes by itself, or some that the leader has, all of
+  /// them or their file.
   /// Errors: Error, on all ranks, where the settings or a row cannot be.
   DisksOfRank(Communicator& ranks, Configuration const& configuration, State const* whole = nullptr,
               StartFile const* file = nullptr);
@@ -29,7 +31,8 @@ class DisksOfRank final : public AgentsOfRank {
   /// For the checks of a set-up.
   [[nodiscard]] DisksOverview const& all() const { return all_; }
 
-  /// Makes the engine of the leader, which is patient where only collisions end the run. Errors: Error where disks overlap.
+  /// Makes the engine of the leader, which is patient where only collisions end the run. Errors: Error where disks
+  /// overlap.
   void begin(EngineSettings const& settings, RunSettings const& run);
 
   [[nodiscard]] Box const& box() const override { return own_.box; }

@@ -20,8 +20,8 @@
 
 namespace gridlock {
 
-/// What one of several ranks has of a run whose agents are divided among them: its agents, and what is measured of them together with
-/// those of the others.
+/// What one of several ranks has of a run whose agents are divided among them: its agents, and what is measured of them
+/// together with those of the others.
 class RunOfRank {
  public:
   RunOfRank(Communicator& ranks, std::unique_ptr<AgentsOfRank> agents) : ranks_(ranks), agents_(std::move(agents)) {}
@@ -39,7 +39,8 @@ class RunOfRank {
   void sample(std::span<double> row, bool counts_for_average);
   /// The hash of all agents, for the leader.
   [[nodiscard]] std::uint64_t state_hash() const;
-  /// Writes the agents of this rank into the directory of a run. Returns the parts of all, for the leader. Errors: RunFailure, on the leader.
+  /// Writes the agents of this rank into the directory of a run. Returns the parts of all, for the leader. Errors:
+  /// RunFailure, on the leader.
   [[nodiscard]] std::vector<CheckpointPart> write_part(std::filesystem::path const& directory,
                                                        SerializeAll const& serialize) const;
   /// Errors: Error, on all ranks.
@@ -57,8 +58,9 @@ class RunOfRank {
   ObservableSet observables_;
 };
 
-/// A run whose agents are divided among ranks, of which this one leads: it carries the run out as one process would, and tells the others
-/// what to do before it does its own part of it. view() and the columns to be changed are those of its own agents. The bits are those of one process.
+/// A run whose agents are divided among ranks, of which this one leads: it carries the run out as one process would,
+/// and tells the others what to do before it does its own part of it. view() and the columns to be changed are those of
+/// its own agents. The bits are those of one process.
 class DividedSimulation final : public Simulation {
  public:
   /// The other ranks make theirs after announce().
@@ -94,7 +96,8 @@ class DividedSimulation final : public Simulation {
   [[nodiscard]] std::unique_ptr<FrameSource> frame_source() const override;
   void serialize(Archive& archive) override { run_.serialize(archive); }
 
-  /// Every rank writes its agents; the checkpoint that names the parts comes next. `serialize` visits the whole run, this simulation inside.
+  /// Every rank writes its agents; the checkpoint that names the parts comes next. `serialize` visits the whole run,
+  /// this simulation inside.
   /// Errors: RunFailure.
   [[nodiscard]] std::vector<CheckpointPart> write_parts(std::filesystem::path const& directory,
                                                         SerializeAll const& serialize);

@@ -332,7 +332,7 @@ std::string to_text(Event const& event) {
 
 namespace {
 
-/// What is told of one event that some of the runs have; nothing where it is not worth it.
+/// The note on one event that some of the runs have; nothing where it is not worth it.
 std::optional<std::string> text_of(std::vector<Event> const& alike, std::size_t runs) {
   Event const& first = alike.front();
   std::string const text = to_text(first);

@@ -12,7 +12,8 @@
 
 namespace gridlock {
 
-/// The places of the columns asked for, in increasing order. Errors: Error under trajectory.columns for a name that is no column.
+/// The places of the columns asked for, in increasing order. Errors: Error under trajectory.columns for a name that is
+/// no column.
 std::vector<std::size_t> chosen_columns(std::vector<std::string_view> const& names, std::string const& columns);
 
 /// The frame with the columns asked for only, in its own order; the Ids always stay. Errors: those of chosen_columns().
@@ -21,8 +22,8 @@ std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, st
 /// The steps after the start of a run at which frames are due; a function of the settings alone, so that a run that is
 /// resumed has the frames of one that was never interrupted.
 ///
-/// every n: 0, n, 2n …; p frames per decade: 0 and ⌊10^(k/p) + ½⌋ for k = 0, 1, 2 …, with origins every m steps those below m
-/// after each multiple of m; a time t: the first step at or after.
+/// every n: 0, n, 2n …; p frames per decade: 0 and ⌊10^(k/p) + ½⌋ for k = 0, 1, 2 …, with origins every m steps those
+/// below m after each multiple of m; a time t: the first step at or after.
 class FrameSchedule {
  public:
   /// Errors: Error under trajectory.steps or trajectory.times for what is no step or time.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double bytes_per_row = 25 * 8.0;
 
-/// What the machine has free, in bytes.
+/// The free memory of the machine, in bytes.
 double free_memory_of_machine() {
   std::ifstream file("/proc/meminfo");
   for (std::string word; file >> word;) {
@@ -33,7 +33,7 @@ double free_memory_of_machine() {
   return static_cast<double>(pages) * static_cast<double>(page_size);
 }
 
-/// What the process may still ask for under its limit of address space, in bytes.
+/// The memory that the process may still ask for under its limit of address space, in bytes.
 double free_memory_of_process() {
   rlimit limit{};
   std::ifstream file("/proc/self/statm");

@@ -13,16 +13,16 @@ namespace gridlock {
 /// Refuses a run that needs more memory than the machine has free, before any of it is asked for: a system short of
 /// memory kills the program, which leaves no message and no results.
 ///
-/// Counts what can become large: the agents, the cells of the grid, the rows of the series. Of agents that ranks divide the share of
-/// those on this machine. An estimate, on the low side.
+/// Counts what can become large: the agents, the cells of the grid, the rows of the series. Of agents that ranks divide
+/// the share of those on this machine. An estimate, on the low side.
 void require_memory(Configuration const& configuration, AllProcesses processes);
 
 /// The bytes a run needs by the same estimate; more closely where it is known how many agents there are.
 double expected_memory(Configuration const& configuration);
 double expected_memory(Configuration const& configuration, std::size_t agents);
 
-/// What the program can still get, in bytes: of the machine, under the limit of the process (ulimit -v), and under those
-/// of its control groups, such as a container's.
+/// The memory that the program can still get, in bytes: of the machine, under the limit of the process (ulimit -v), and
+/// under those of its control groups, such as a container's.
 double free_memory();
 
 /// Memory that several runs share: those that do not fit beside one another wait for one another.

@@ -36,7 +36,7 @@ bool is_name_of_table(std::string_view name) {
                              [&](std::string const& key) { return key.substr(0, key.find_first_of(".[")) == name; });
 }
 
-/// Of all_known(): configurations are made by many threads, and models may come and go meanwhile.
+/// Guards all_known(): configurations are made by many threads, and models may come and go meanwhile.
 std::mutex& mutex_of_all_known() {
   static std::mutex mutex;
   return mutex;

@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// What a packing is asked.
+/// The questions to a packing.
 struct PackingQuestions {
   Potential potential = Potential::harmonic;
   double tolerance = 0.0;
@@ -38,18 +38,20 @@ PackingAnalysis find_contacts_of(State const& state, PackingQuestions const& que
 /// Errors: those of find_contact_network() and find_gaps().
 PackingAnalysis analyse_packing(State const& state, PackingQuestions const& questions);
 
-/// What ContactNetwork::is_jammed() says with the softest mode.
+/// The answer of ContactNetwork::is_jammed() with the softest mode.
 std::optional<bool> is_jammed(PackingAnalysis const& analysis);
 
-/// The contacts: i and j as Ids (at a wall twice the same), the wall (0 none, 1 left, 2 right, 3 bottom, 4 top), distance, overlap,
-/// normal, force, the image of j that i touches, and whether both are of the backbone.
+/// The contacts: i and j as Ids (at a wall twice the same), the wall (0 none, 1 left, 2 right, 3 bottom, 4 top),
+/// distance, overlap, normal, force, the image of j that i touches, and whether both are of the backbone.
 Table contacts_table(PackingAnalysis const& analysis);
 /// The gaps, the closest first, in the same way.
 Table gaps_table(PackingAnalysis const& analysis);
-/// The relative forces of the backbone, ascending: extended ones and those of bucklers, each with the share that is not above it.
+/// The relative forces of the backbone, ascending: extended ones and those of bucklers, each with the share that is not
+/// above it.
 Table forces_table(PackingAnalysis const& analysis);
 
-/// The numbers in the words of summary.json; null for what is not known. Pressures, moduli and the softest mode are in ε/D².
+/// The numbers in the words of summary.json; null for what is not known. Pressures, moduli and the softest mode are in
+/// ε/D².
 nlohmann::ordered_json summary_of(PackingAnalysis const& analysis);
 
 }  // namespace gridlock

@@ -49,13 +49,13 @@ struct ResultEntry {
 
 double number(bool flag) { return flag ? 1.0 : 0.0; }
 
-/// Of the last stage, where its disks are hard.
+/// The results of the last stage, where its disks are hard.
 std::vector<ResultEntry> hard_entries() {
   return {
       {{"reduced_pressure", "", "βP/ρ of the hard disks in the last stage of the protocol."}, &StageResult::pressure}};
 }
 
-/// Of the last stage of swap Monte Carlo.
+/// The results of the last stage of swap Monte Carlo.
 std::vector<ResultEntry> swap_entries() {
   auto const of = [](auto member) {
     return [member](StageResult const& stage) { return std::invoke(member, *stage.swap); };
@@ -76,7 +76,7 @@ std::vector<ResultEntry> swap_entries() {
 /// Whether the packing is unstable against compression; not where it has no modulus.
 bool gives_way(PressureLevel const& level) { return level.bulk_modulus <= 0.0; }
 
-/// Of the last stage of soft disks.
+/// The results of the last stage of soft disks.
 std::vector<ResultEntry> soft_entries() {
   auto const end = [](auto member) {
     return [member](StageResult const& stage) { return std::invoke(member, stage.levels.back()); };
@@ -251,14 +251,15 @@ Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
                      {"packing_fraction", stage.packing_fraction}}};
 }
 
-/// Whether disks press on each other. Where the minimizer ends because they have moved apart, a few still overlap by the last digits.
+/// Whether disks press on each other. Where the minimizer ends because they have moved apart, a few still overlap by
+/// the last digits.
 bool presses(StageResult const& stage) {
   PressureLevel const& level = stage.levels.back();
   bool const is_apart = level.backbone_disks == 0 && level.energy < least_energy_of_a_disk * stage.disks;
   return level.pressure > 0.0 && !is_apart;
 }
 
-/// Of swap Monte Carlo, and of the end of a ramp or quench.
+/// The note on the end of swap Monte Carlo, of a ramp or of a quench.
 std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   if (stage.swap && !stage.swap->is_equilibrated) {
     Event note = note_on(EventKind::stage_not_equilibrated, stage, number);
@@ -313,7 +314,8 @@ std::optional<Event> note_on_density(StageResult const& stage, std::size_t numbe
   return note;
 }
 
-/// A compression, or a shear, that costs nothing. In a periodic packing with one state of self-stress there is always one.
+/// A compression, or a shear, that costs nothing. In a periodic packing with one state of self-stress there is always
+/// one.
 std::optional<Event> note_on_shear(StageResult const& stage, std::size_t number, bool is_periodic) {
   PressureLevel const& level = stage.levels.back();
   // No number where no disks press.

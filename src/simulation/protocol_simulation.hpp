@@ -12,7 +12,7 @@
 
 namespace gridlock {
 
-/// What a protocol adds to summary.json, and its tables without rows: what gridlock explain knows of them.
+/// The results that a protocol adds to summary.json, and its tables without rows: gridlock explain knows them by this.
 std::vector<ColumnInfo> protocol_results();
 std::vector<Distribution> protocol_tables();
 
@@ -22,7 +22,8 @@ std::vector<Distribution> protocol_tables();
 /// The clock of the simulation is that of the start, whatever time has passed in the protocol.
 class ProtocolSimulation final : public Simulation {
  public:
-  /// Makes the simulation of a state; called for the start at once, whose disks may overlap, and again at the end of the protocol.
+  /// Makes the simulation of a state; called for the start at once, whose disks may overlap, and again at the end of
+  /// the protocol.
   using MakeSimulation = std::function<std::unique_ptr<DiskSimulation>(State state, bool is_prepared)>;
 
   ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make);
@@ -37,7 +38,7 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] Box const& box() const override { return state_.box; }
   [[nodiscard]] AgentsView view() const override;
   [[nodiscard]] std::uint64_t state_hash() const override;
-  /// Of the run after the protocol; none where nothing was run.
+  /// Counts of the run after the protocol; none where nothing was run.
   [[nodiscard]] std::vector<Count> counts() const override {
     return has_run() ? simulation_->counts() : std::vector<Count>();
   }

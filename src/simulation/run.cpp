@@ -174,7 +174,7 @@ double Run::fraction_of(Extent const& extent) const {
   return std::min(std::max({steps, time, collisions}), 1.0);
 }
 
-/// Of the whole work, for progress alone: all of it where nothing is run after a protocol.
+/// Share of the whole work, for progress alone: all of it where nothing is run after a protocol.
 double Run::share_of_preparation() const { return plan_.stop_condition.step == first_.step ? 1.0 : 0.5; }
 
 double Run::fit_equilibration() {
@@ -184,7 +184,7 @@ double Run::fit_equilibration() {
   return plan_.equilibration;
 }
 
-/// What is due at this time, once: multiples of sample_every are counted from the start, so that the times of the
+/// Does what is due at this time, once: multiples of sample_every are counted from the start, so that the times of the
 /// samples do not depend on interruptions.
 void Run::stop_here() {
   if (last_stop_ == simulation_.clock()) return;

@@ -25,8 +25,8 @@ struct SettingDifference {
 /// The settings that a run which is made longer may change.
 std::set<std::string> const& settings_of_length();
 
-/// The first setting, in alphabetical order, that differs; nothing where all agree. Neither the `ignored` keys count nor
-/// engine.threads, on which no result depends.
+/// The first setting, in alphabetical order, that differs; nothing where all agree. Neither the `ignored` keys count
+/// nor engine.threads, on which no result depends.
 std::optional<SettingDifference> find_difference(SettingTexts const& here, SettingTexts const& there,
                                                  std::set<std::string> const& ignored = {});
 

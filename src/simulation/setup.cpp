@@ -50,7 +50,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   Setup setup;
   setup.notes = unused_settings(configuration, options.is_given);
   setup.configuration = std::move(configuration);
-  // What is run is decided: the settings of other models would only fill its resolved configuration.
+  // The model of the run is decided: the settings of others would only fill its resolved configuration.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
   require_use_of_ranks(setup.configuration, options.processes.count());
   RunSettings& run = setup.configuration.run;

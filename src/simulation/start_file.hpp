@@ -9,7 +9,7 @@
 
 namespace gridlock {
 
-/// What the settings are compared with of a file that disks start from.
+/// The facts about a file that disks start from with which the settings are compared.
 struct StartFileSummary {
   Box box;
   bool has_radii = false;  ///< otherwise the disks have the size asked for, see radius_without_column()
@@ -36,7 +36,8 @@ double radius_without_column(DisksSettings const& settings, Box const& box, std:
 /// Fills in what the file decides. Errors: Error where a setting contradicts it.
 void take_summary(Configuration& configuration, StartFileSummary const& file, IsGiven const& is_given);
 
-/// The disks of a file of which the head has been read, all in this process; the configuration learns what the file decides. Errors: Error.
+/// The disks of a file of which the head has been read, all in this process; the configuration learns what the file
+/// decides. Errors: Error.
 State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGiven const& is_given);
 
 /// Notes on a file that has been read: what it lacks, and what is not used.

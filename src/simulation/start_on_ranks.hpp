@@ -25,8 +25,9 @@ struct RowsOfFile {
   bool has_velocities = false;
 };
 
-/// The leader, which alone has the file, reads it piece by piece and hands it out: nobody ever has all rows. The Ids may be in any order; ranks
-/// sort them. All call it. Errors: Error on all of them; the leader's are those of read_xyz(), with their place, and of take_summary.
+/// The leader, which alone has the file, reads it piece by piece and hands it out: nobody ever has all rows. The Ids
+/// may be in any order; ranks sort them. All call it. Errors: Error on all of them; the leader's are those of
+/// read_xyz(), with their place, and of take_summary.
 RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const* file);
 
 }  // namespace gridlock

@@ -33,8 +33,8 @@ class TrajectoryWriter final : public Writer {
   /// Begins the file at the first frame, or continues one that is there.
   TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin);
 
-  /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was due
-  /// up to the step `written_until` after the start: going on would leave it out without a word.
+  /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was
+  /// due up to the step `written_until` after the start: going on would leave it out without a word.
   void restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const override { return schedule_.is_due(steps); }

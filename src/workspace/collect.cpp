@@ -111,7 +111,8 @@ void require_inside(fs::path const& into, fs::path const& path) {
                .key = "-o"});
 }
 
-/// Refuses an output directory with a link among its files that leads out: tables and pictures are written through links.
+/// Refuses an output directory with a link among its files that leads out: tables and pictures are written through
+/// links.
 void require_no_links_out(fs::path const& into) {
   std::error_code ignored;
   for (auto const& entry : fs::directory_iterator(into, ignored)) {
@@ -155,8 +156,8 @@ void copy_run(RecordedRun const& run, fs::path const& into, fs::path const& targ
   copy_whole(run.directory / summary_name, target / summary_name);
 }
 
-/// Refuses to replace files that Gridlock has not written, before the first is copied. A sweep that is itself collected, but
-/// was copied here without its hidden lists, is taken for what it says.
+/// Refuses to replace files that Gridlock has not written, before the first is copied. A sweep that is itself
+/// collected, but was copied here without its hidden lists, is taken for what it says.
 void protect_target(std::vector<fs::path> const& directories, fs::path const& into, bool overwrites,
                     SweepPlan const& plan, std::vector<std::optional<RecordedRun>> const& best) {
   bool const is_collected = std::ranges::any_of(directories, [&](fs::path const& directory) {

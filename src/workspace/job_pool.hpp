@@ -17,8 +17,8 @@
 
 namespace gridlock {
 
-/// On how many cores `threads` runs at a time are carried out; 0: all that the process may use. More threads than cores would only wait for one
-/// another, and oneTBB would complain about it on the terminal.
+/// On how many cores `threads` runs at a time are carried out; 0: all that the process may use. More threads than cores
+/// would only wait for one another, and oneTBB would complain about it on the terminal.
 inline int jobs_for(unsigned threads) {
   int const cores = static_cast<int>(usable_cores());
   return threads == 0 ? cores : std::min(static_cast<int>(threads), cores);
@@ -26,7 +26,7 @@ inline int jobs_for(unsigned threads) {
 
 /// A pool of threads that carry out many runs, each taking the next longest one as soon as it is free.
 ///
-/// What comes out does not depend on the number of threads, as long as carry_out(run) writes to places of its own.
+/// The results do not depend on the number of threads, as long as carry_out(run) writes to places of its own.
 class JobPool {
  public:
   using OnProgress = std::function<bool(double fraction, std::size_t finished)>;

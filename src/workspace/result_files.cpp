@@ -115,8 +115,8 @@ void remove_runs(fs::path const& directory) {
   fs::remove(directory, ignored);
 }
 
-/// Whether a file would be lost if one of that name were written. Devices, pipes and open descriptors take what is written
-/// into them.
+/// Whether a file would be lost if one of that name were written. Devices, pipes and open descriptors take what is
+/// written into them.
 bool is_in_the_way(fs::path const& file) {
   if (descriptor_named(file)) return false;
   std::error_code ignored;

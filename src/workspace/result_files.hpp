@@ -9,10 +9,10 @@ namespace gridlock {
 
 /// Adds a file that is about to be written to the list of results in its directory, `.gridlock.files`: one name a line.
 ///
-/// The list is what remove_results() goes by. Names alone do not tell whose a file is: a user may keep a report.html, an
-/// energy.png or a table beside the results, models and sweeps name files after their columns, and other versions write
-/// other files. A name is listed before its file is written, so that a kill leaves no file that is not listed. A list that
-/// cannot be written is no failure: the file itself cannot be written then either.
+/// The list is what remove_results() goes by. Names alone do not tell whose a file is: a user may keep a report.html,
+/// an energy.png or a table beside the results, models and sweeps name files after their columns, and other versions
+/// write other files. A name is listed before its file is written, so that a kill leaves no file that is not listed. A
+/// list that cannot be written is no failure: the file itself cannot be written then either.
 /// Errors: Error where something of that name is there that is not listed: protect_files() has not been asked in time.
 void record_result(std::filesystem::path const& file);
 
@@ -36,8 +36,8 @@ struct PlannedFiles {
 /// Decides, for every command, whether it may write its files, before it writes the first.
 ///
 /// Refused are always an input of the command, a directory, and a result that another command has made on demand or a
-/// run has written where `maker` is given. Refused without `overwrites` is every file that is not listed in its directory:
-/// Gridlock has not written it. With `overwrites` such files are listed: they are results from then on.
+/// run has written where `maker` is given. Refused without `overwrites` is every file that is not listed in its
+/// directory: Gridlock has not written it. With `overwrites` such files are listed: they are results from then on.
 /// Devices, pipes and open descriptors such as /dev/stdout are written into and never refused.
 /// Errors: Error under the key "-o".
 void protect_files(PlannedFiles const& planned);
@@ -55,9 +55,9 @@ bool has_list(std::filesystem::path const& directory);
 /// Lists those of the files of a directory without a list that are there.
 void adopt_results(std::filesystem::path const& directory, std::vector<std::filesystem::path> const& files);
 
-/// Removes what the list of a directory names, summary.json first, of a sweep the runs that have lists of their own, and
-/// what record_further_results() has listed in directories beside its first file.
-/// Directories with anything else in them stay, and so does every file that is not listed.
+/// Removes what the list of a directory names, summary.json first, of a sweep the runs that have lists of their own,
+/// and what record_further_results() has listed in directories beside its first file. Directories with anything else in
+/// them stay, and so does every file that is not listed.
 void remove_results(std::filesystem::path const& directory);
 
 }  // namespace gridlock

@@ -35,7 +35,7 @@ constexpr char const* configuration_name = "config.resolved.toml";
 constexpr char const* trajectory_name = "trajectory.h5";
 constexpr char const* begun_trajectory_name = "trajectory.h5.part";
 
-/// What was audited; nothing where no audit was asked for.
+/// The note on audits; nothing where none was asked for.
 std::optional<Event> audit_event(Simulation const& simulation) {
   Event event{.kind = EventKind::audited, .severity = Severity::info};
   for (auto const& [name, value] : simulation.audits()) event.values.emplace_back(name, value);
@@ -225,8 +225,8 @@ class RunInDirectory {
     serialize_inside(archive, "run", [&] { run_.serialize(archive); });
   }
 
-  /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what has
-  /// been measured so far is Run::fit_equilibration()'s.
+  /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what
+  /// has been measured so far is Run::fit_equilibration()'s.
   void require_same_configuration(std::string const& configuration) const {
     auto const difference = find_difference(setting_texts(configuration, "checkpoint"),
                                             setting_texts(configuration_, configuration_name), settings_of_length());
@@ -235,7 +235,7 @@ class RunInDirectory {
                                      to_text(*difference, "the checkpoint", configuration_name))});
   }
 
-  /// What carries the run out.
+  /// The note on the threads that carry the run out.
   [[nodiscard]] Event processors_event() const {
     Event event{.kind = EventKind::threads_chosen,
                 .severity = Severity::info,

@@ -56,7 +56,7 @@ std::optional<double> packing_fraction_of(FrameSource const& frame) {
   return area / frame.box().area();
 }
 
-/// What the ranks of a run have sent, and how long each has waited.
+/// The traffic of the ranks of a run: messages sent, and how long each has waited.
 Json to_json(std::vector<Traffic> const& ranks) {
   Json json = Json::array();
   for (Traffic const& rank : ranks) {

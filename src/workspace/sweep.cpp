@@ -138,7 +138,7 @@ SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
   SweepInProgress sweep(plan, settings);
   sweep.run();
   SweepResult result = result_of(plan, sweep.outcomes());
-  // Of a part of the sweep nothing is averaged.
+  // Nothing is averaged over a part of the sweep.
   std::vector<std::string> notes = sweep.notes();
   if (!settings.shard) std::ranges::move(result.notes, std::back_inserter(notes));
   result.notes = std::move(notes);

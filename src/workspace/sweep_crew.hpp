@@ -19,10 +19,11 @@ struct CrewJob {
 
 /// How far a run has come, from 0 to 1; false: it is to stop after its present chunk.
 using ReportShare = std::function<bool(double share)>;
-/// Makes a run in this process and says how it ended, in the words of encode(); nothing where it was not begun. From any thread.
+/// Makes a run in this process and says how it ended, in the words of encode(); nothing where it was not begun. From
+/// any thread.
 using MakeRun = std::function<std::string(CrewJob const& job, ReportShare const& report)>;
 
-/// What the leader of a crew does with runs. All but `make` are called from one thread.
+/// The work of the leader of a crew with runs. All but `make` are called from one thread.
 struct CrewLead {
   std::function<std::optional<CrewJob>()> next;  ///< the next run to be made; nothing where there is none left
   MakeRun make;
@@ -30,8 +31,8 @@ struct CrewLead {
   std::function<void(std::uint64_t run, std::string const& outcome)> finish;
 };
 
-/// Processes that carry out one command together, most of all a sweep. One of them leads: it opens the directory, hands out the
-/// runs and writes the tables.
+/// Processes that carry out one command together, most of all a sweep. One of them leads: it opens the directory, hands
+/// out the runs and writes the tables.
 class SweepCrew {
  public:
   virtual ~SweepCrew() = default;
@@ -45,14 +46,17 @@ class SweepCrew {
   /// Those that share runs with this process, after meet().
   [[nodiscard]] virtual AllProcesses processes() { return {}; }
 
-  /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part: `failure` then says why.
-  /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure; Error, in all processes, for another plan.
+  /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part:
+  /// `failure` then says why.
+  /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure; Error, in all processes,
+  /// for another plan.
   virtual void meet(std::uint64_t plan_hash, std::string const& failure) = 0;
   /// Lets those go that help with the runs of this process; nobody waits for it any more.
   virtual void part() = 0;
-  /// Of the leader: every run is made by some process, and all of them are let go.
+  /// For the leader: every run is made by some process, and all of them are let go.
   virtual void lead(CrewLead const& lead) = 0;
-  /// Of the others: makes what the leader hands out, or helps with the runs of another, until that one lets this process go.
+  /// For the others: makes the runs that the leader hands out, or helps with those of another, until that one lets this
+  /// process go.
   virtual void help(MakeRun const& make) = 0;
 };
 

@@ -149,7 +149,7 @@ void SweepDirectory::forget_old_results() const {
   if (!settings_.overwrites) return;
   // Results of something else; a sweep that is there already keeps the runs of other shards.
   if (!is_of_sweep()) remove_results(settings_.directory);
-  // What is to be made anew is gone at once, so that an interruption leaves no old runs among the new ones.
+  // Runs that are to be made anew are gone at once, so that an interruption leaves no old runs among the new ones.
   std::error_code ignored;
   for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
     if (!is_ours(run)) continue;

@@ -27,11 +27,11 @@ class SweepDirectory {
   /// Why the run in the directory must not be replaced, if it is one of other settings.
   [[nodiscard]] std::optional<Error> refusal_of(std::size_t run, Setup const& setup) const;
 
-  /// Throws Error for a sweep in the directory that has other settings in common: its runs and these belong in different
-  /// tables.
+  /// Throws Error for a sweep in the directory that has other settings in common: its runs and these belong in
+  /// different tables.
   void require_same_base() const;
-  /// Makes the directory where it is missing. Errors: Error where it has results that are not of a sweep, and where files of
-  /// the user have the names of tables or of files of the runs.
+  /// Makes the directory where it is missing. Errors: Error where it has results that are not of a sweep, and where
+  /// files of the user have the names of tables or of files of the runs.
   void open() const;
   /// Removes what is to be made anew, where that is asked for.
   void forget_old_results() const;

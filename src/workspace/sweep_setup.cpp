@@ -49,7 +49,7 @@ void SweepSetup::set_up_all() {
       }
     });
   });
-  // What did not fit beside others may fit alone.
+  // A run that did not fit beside others may fit alone.
   for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
     if (lacks_memory[run] == 0) continue;
     try {
@@ -123,7 +123,7 @@ void SweepSetup::share_out_threads() {
     if (prospects_[run].work > 0.0) left -= std::min(left, prospects_[run].threads);
     if (prospects_[run].takes_threads) takers.push_back(run);
   }
-  // What other processes leave is not known here.
+  // The memory that other processes leave is not known here.
   if (takers.empty() || settings_.crew != nullptr) return;
   std::ranges::stable_sort(takers, std::ranges::greater{}, [&](std::size_t run) { return prospects_[run].work; });
   for (std::size_t k = 0; k < takers.size(); ++k) {

@@ -16,7 +16,7 @@
 
 namespace gridlock {
 
-/// What is known of a run before it begins.
+/// The facts that are known of a run before it begins.
 struct Prospect {
   double work = 0.0;  ///< 0: there is nothing to do, it is finished, another's, or cannot be made
   double bytes = 0.0;
@@ -59,7 +59,7 @@ class SweepSetup {
 
 /// Whether the run has come to its end.
 bool is_finished(SweepOutcome const& outcome);
-/// What a run died of, as the tables say it.
+/// The reason why a run failed, as the tables say it.
 std::string reason_of(std::exception const& error);
 
 }  // namespace gridlock

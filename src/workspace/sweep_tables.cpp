@@ -133,7 +133,7 @@ std::vector<std::vector<std::size_t>> groups_of(SweepPlan const& plan) {
   return groups;
 }
 
-/// What the runs of a group know of an observable.
+/// The values of an observable in the runs of a group.
 std::vector<Estimate> estimates_of(std::string const& name, std::vector<std::size_t> const& group,
                                    std::vector<SweepOutcome> const& outcomes) {
   std::vector<Estimate> estimates;
@@ -163,7 +163,7 @@ void add_means(std::string const& name, std::vector<std::vector<std::size_t>> co
   if (has_gaps) table.add_column(name + "_runs", runs);
 }
 
-/// What the means leave out, and what they have that is not as asked for.
+/// Notes on what the means leave out, and on what they have that is not as asked for.
 std::vector<std::string> notes_on_means(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
   std::vector<std::string> notes;
   for (std::string const& name : observable_names(outcomes)) {
@@ -172,7 +172,7 @@ std::vector<std::string> notes_on_means(SweepPlan const& plan, std::vector<Sweep
     for (auto group : groups_of(plan)) {
       std::erase_if(group, [&](std::size_t run) { return outcomes[run].status != RunStatus::finished; });
       std::size_t const known = estimates_of(name, group, outcomes).size();
-      // What no run of a group measures, as other engines do, is not left out of anything.
+      // An observable that no run of a group measures, as other engines do, is not left out of anything.
       if (known == 0) continue;
       left_out += group.size() - known;
       all += group.size();

@@ -46,7 +46,7 @@ std::optional<SweepOutcome> SweepWorker::make(std::size_t run, Prospect const& p
     if (!report(0.0)) return std::nullopt;
     if (directory_.is_there(run)) return outcome_of_record(resume_in(directory_.directory_of(run), hooks));
     SettingsFile settings = plan_.runs[run].settings;
-    // What is recorded is what is used.
+    // The record says what is used.
     if (prospect.takes_threads) settings.set(fmt::format("engine.threads={}", prospect.threads));
     return outcome_of_record(
         run_in(directory_.directory_of(run), set_up(settings, {.processes = hooks.processes}), hooks));

@@ -20,8 +20,8 @@ class SweepWorker {
               MemoryBudget& memory)
       : plan_(plan), settings_(settings), directory_(directory), memory_(memory) {}
 
-  /// Makes a run, or continues what is there of it. `report` is told how far it is and says whether it should go on; nothing comes back where
-  /// it says so before the run begins. What breaks the run is in what comes back.
+  /// Makes a run, or continues what is there of it. `report` is told how far it is and says whether it should go on;
+  /// nothing comes back where it says so before the run begins. What breaks the run is in what comes back.
   [[nodiscard]] std::optional<SweepOutcome> make(std::size_t run, Prospect const& prospect,
                                                  std::function<bool(double)> const& report) const;
 

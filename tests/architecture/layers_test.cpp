@@ -141,7 +141,8 @@ std::vector<int> lines_with_ranks(fs::path const& path) {
   return lines;
 }
 
-/// That several processes share a run is the matter of `parallel`. These rooms still speak of it, in so many lines at most: fewer are welcome.
+/// That several processes share a run is the matter of `parallel`. These rooms still speak of it, in so many lines at
+/// most: fewer are welcome.
 std::map<std::string, std::size_t> const max_lines_with_ranks{{"lattice", 71},     {"engine", 171},   {"model", 238},
                                                               {"simulation", 305}, {"workspace", 23}, {"apps", 40}};
 
@@ -245,7 +246,8 @@ TEST(PublicHeaders, IncludeNothingButThePublicHeadersAndTheStandardLibrary) {
   }
 }
 
-/// Every header that some header outside of detail/ includes, directly or through others, as "gridlock/grid/detail/tiling.hpp".
+/// Every header that some header outside of detail/ includes, directly or through others, as
+/// "gridlock/grid/detail/tiling.hpp".
 std::set<std::string> headers_of_users() {
   std::vector<fs::path> open;
   for (Source const& source : sources_under("include/gridlock", true)) {

@@ -204,8 +204,8 @@ std::vector<std::string> lines_to(std::vector<std::string> const& lines, std::si
   return block;
 }
 
-/// Examples that need an interruption, other machines, minutes or further packages are ```text. A comment that begins with
-/// "printed:" has commands; each line that they print has to be in the page.
+/// Examples that need an interruption, other machines, minutes or further packages are ```text. A comment that begins
+/// with "printed:" has commands; each line that they print has to be in the page.
 Page page_of(fs::path const& file) {
   static std::regex const file_name(R"((?:#|//) (\w+\.(?:toml|py))\n[^]*)");
   Page page{.text = text_of(file)};

@@ -37,8 +37,8 @@ double most_bytes_per_disk(std::string const& engine, std::vector<std::string> c
   return 1024.0 * static_cast<double>(usage.ru_maxrss) / disks;
 }
 
-// docs/reference/performance.md has what a run of a million disks takes. Of these, the program and pages not full take about 100 bytes
-// each. A second copy of the state, or of a checkpoint, is more than the room that is left.
+// docs/reference/performance.md has what a run of a million disks takes. Of these, the program and pages not full take
+// about 100 bytes each. A second copy of the state, or of a checkpoint, is more than the room that is left.
 TEST(Memory, OfARunStaysBelowWhatItsPartsNeed) {
 #ifdef GRIDLOCK_IS_SANITIZED
   GTEST_SKIP() << "a sanitizer takes memory of its own";

@@ -11,7 +11,8 @@ namespace {
 
 using namespace gridlock::test;
 
-/// A copy of the program in `bin`, an empty directory `path` that is the whole PATH, and the scripts that tests put there.
+/// A copy of the program in `bin`, an empty directory `path` that is the whole PATH, and the scripts that tests put
+/// there.
 class OtherProgram : public testing::Test {
  protected:
   OtherProgram() {

@@ -1,5 +1,5 @@
-// Runs and sweeps let the program gridlock-plot draw their pictures; here a script takes its place. What it draws is tested in
-// python/tests.
+// Runs and sweeps let the program gridlock-plot draw their pictures; here a script takes its place. What it draws is
+// tested in python/tests.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -137,7 +137,8 @@ TEST(TrajectoryFaults, NoFrameIsLostByAKillAtAnyMomentAndTheNextWriterGoesOn) {
   TemporaryDirectory const directory;
   std::uint64_t told = 0;
   for (int k = 0; k < kills; ++k) {
-    // Begins anew from time to time, so that the files stay short, and where a writer was killed before there was a file.
+    // Begins anew from time to time, so that the files stay short, and where a writer was killed before there was a
+    // file.
     bool const appends = k % 10 != 0 && std::filesystem::exists(directory / "t.h5");
     WriterProcess writer(directory / "t.h5", appends);
     std::this_thread::sleep_for(std::chrono::microseconds(5'000 + random.below(40'000)));

@@ -1,5 +1,5 @@
-// What a checkpoint may hold: the bytes of a file as they are, and as the content of a file whose checksum is right, which
-// only a mistake of ours or an attack can produce. The first byte says which engine is restored.
+// What a checkpoint may hold: the bytes of a file as they are, and as the content of a file whose checksum is right,
+// which only a mistake of ours or an attack can produce. The first byte says which engine is restored.
 
 #include "io/checkpoint.hpp"
 

@@ -1,4 +1,5 @@
-// Runs every file of the directories and files it is given through a fuzz target: the corpus as a test, with any compiler.
+// Runs every file of the directories and files it is given through a fuzz target: the corpus as a test, with any
+// compiler.
 
 #include <cstddef>
 #include <cstdint>

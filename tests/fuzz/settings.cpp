@@ -1,5 +1,5 @@
-// What a settings file may hold, from reading to the configuration it means. A text that is accepted says the same again
-// when it is written out.
+// What a settings file may hold, from reading to the configuration it means. A text that is accepted says the same
+// again when it is written out.
 
 #include <cstddef>
 #include <cstdint>

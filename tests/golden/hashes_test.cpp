@@ -1,5 +1,5 @@
-// The bits of a few runs, for ever: the same on every compiler, in debug and release. A difference is either a mistake or
-// a change of the physics that belongs in the change log. To accept the bits of this build, run
+// The bits of a few runs, for ever: the same on every compiler, in debug and release. A difference is either a mistake
+// or a change of the physics that belongs in the change log. To accept the bits of this build, run
 //
 //     GRIDLOCK_WRITE_GOLDEN=1 build/tests/gridlock_golden_tests
 //

@@ -1,5 +1,5 @@
-// The bits of starts with continuous sizes, of starts that overlap and of swap Monte Carlo, for ever; how to accept others: see
-// hashes_test.cpp.
+// The bits of starts with continuous sizes, of starts that overlap and of swap Monte Carlo, for ever; how to accept
+// others: see hashes_test.cpp.
 
 #include "gridlock/engine/swap_monte_carlo.hpp"
 

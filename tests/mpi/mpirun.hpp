@@ -42,8 +42,8 @@ inline Outcome on_ranks(Workplace const& workplace, int ranks, std::vector<std::
   return start(workplace, ranks, arguments).wait();
 }
 
-/// How a run or sweep ends after a signal to mpirun. After SIGTERM mpirun kills its ranks within a second, whether they have
-/// saved themselves or not; what they have of before is good then.
+/// How a run or sweep ends after a signal to mpirun. After SIGTERM mpirun kills its ranks within a second, whether they
+/// have saved themselves or not; what they have of before is good then.
 inline void expect_stopped_by(int signal, Outcome const& outcome) {
   if (signal == SIGTERM) {
     EXPECT_NE(outcome.exit_code, 0);
@@ -77,8 +77,8 @@ inline void expect_refused(Workplace const& workplace,
   }
 }
 
-/// Light disks that heavy ones drive: with long time steps they become too fast for their sub-steps. More settings of [engine]
-/// may follow.
+/// Light disks that heavy ones drive: with long time steps they become too fast for their sub-steps. More settings of
+/// [engine] may follow.
 inline constexpr char const* light_among_heavy =
     "[disks]\ncount = 300\npacking_fraction = 0.3\nstart = \"random\"\n"
     "species = [{fraction = 0.5, mass = 1000.0}, {fraction = 0.5}]\n"
@@ -119,8 +119,8 @@ struct RanksAtWork {
   }
 };
 
-/// Starts them, and waits until they have written a checkpoint: how long a machine takes to start them is not known, and only
-/// ranks that work heed signals.
+/// Starts them, and waits until they have written a checkpoint: how long a machine takes to start them is not known,
+/// and only ranks that work heed signals.
 inline RanksAtWork start_and_wait_for_checkpoint(Workplace const& workplace, std::size_t count,
                                                  std::vector<std::string> const& arguments) {
   fs::path const directory = workplace / "out";

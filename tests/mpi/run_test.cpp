@@ -206,7 +206,8 @@ TEST_F(MpiRun, DividesTheMemoryOfTheAgentsOfAModel) {
   });
 }
 
-/// A file that disks start from: the last state of a run on a lattice, its rows in another order and with gaps between the Ids.
+/// A file that disks start from: the last state of a run on a lattice, its rows in another order and with gaps between
+/// the Ids.
 class MpiRunFromFile : public MpiRun {
  protected:
   void write_start_file(std::size_t disks) const {

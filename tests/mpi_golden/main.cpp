@@ -1,5 +1,5 @@
-// The golden scenes by `tiled` and of models that ranks can share on the ranks of MPI: prints name, engine or model, and the hashes that each begins
-// and ends with.
+// The golden scenes by `tiled` and of models that ranks can share on the ranks of MPI: prints name, engine or model,
+// and the hashes that each begins and ends with.
 //
 //     mpirun -n 4 gridlock_mpi_golden THREADS
 #include <fmt/format.h>

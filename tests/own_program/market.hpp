@@ -14,7 +14,8 @@ struct Coins {
   static constexpr char const* name = "coins";
 };
 
-/// Agents that hand coins to their neighbours, have children when they are rich and die when they are poor; some fly anywhere.
+/// Agents that hand coins to their neighbours, have children when they are rich and die when they are poor; some fly
+/// anywhere.
 struct Market {
   static constexpr std::string_view name = "market";
   static constexpr std::string_view documentation = "Agents that hand coins to their neighbours.";

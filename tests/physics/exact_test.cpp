@@ -170,8 +170,8 @@ TEST(ExactPhysics, TwoDisksInAHardSquareBoxPressOnItsWallsAsTheirFreeAreaSays) {
   }
 }
 
-// Clausius: the change of Σ m r·v over a run is 2K t plus the virial of all impulses. With r from the centre of the box a
-// wall gives −(side/2 − R) |Δp|, a pair +Σ σ m|v_n|, on one and the same trajectory and for any number of disks:
+// Clausius: the change of Σ m r·v over a run is 2K t plus the virial of all impulses. With r from the centre of the box
+// a wall gives −(side/2 − R) |Δp|, a pair +Σ σ m|v_n|, on one and the same trajectory and for any number of disks:
 //   Σ m r·v |end − start = 2 K t − Σ_walls (side/2 − R)|Δp| + Σ_pairs.
 TEST(ExactPhysics, WallsAndPairsBalanceTheKineticEnergyInTheVirial) {
   for (std::uint64_t const seed : {1, 2, 3}) {
@@ -260,8 +260,8 @@ TEST(ExactPhysics, TheSteppedRuleConvergesToItWithTheFirstPowerOfTheTimeStep) {
   EXPECT_NEAR(order, 1.0, 0.1);
 }
 
-// A wall keeps the centres away and orders the disks beside it. To first order in the diameter over the side, at the mean
-// density N/A of the box, scaled particle theory gives  β P_wall = ρ [Z + (2R/L) (1 + η)/(1 − η)²].
+// A wall keeps the centres away and orders the disks beside it. To first order in the diameter over the side, at the
+// mean density N/A of the box, scaled particle theory gives  β P_wall = ρ [Z + (2R/L) (1 + η)/(1 − η)²].
 TEST(ExactPhysics, WallsArePressedByTheBulkAndByWhatTheyKeepOut) {
   struct Case {
     double packing_fraction;
@@ -294,9 +294,10 @@ TEST(ExactPhysics, WallsArePressedByTheBulkAndByWhatTheyKeepOut) {
   }
 }
 
-// Disks of diameter 1 in a channel their centres are free over a width ε < √3/2 of: they cannot pass one another, and the
-// length for each at a longitudinal force F is that of a chain of neighbours, from the largest eigenvalue of its transfer
-// operator (D. A. Kofke & A. J. Post 1993, doi:10.1063/1.464967), computed once. The ends change F by a part in N.
+// Disks of diameter 1 in a channel their centres are free over a width ε < √3/2 of: they cannot pass one another, and
+// the length for each at a longitudinal force F is that of a chain of neighbours, from the largest eigenvalue of its
+// transfer operator (D. A. Kofke & A. J. Post 1993, doi:10.1063/1.464967), computed once. The ends change F by a part
+// in N.
 struct ChannelCase {
   double width;
   double force;  // β F

@@ -58,8 +58,8 @@ std::size_t disks_of_backbone(State const& state) {
   return held;
 }
 
-// An independent program, N = 256, half of them 1.4 times as large, γ = 2e-3: 4540 collisions a disk up to p = 1e5, and a mean
-// density at jamming of 0.84686 with a standard deviation of 0.0009 from start to start.
+// An independent program, N = 256, half of them 1.4 times as large, γ = 2e-3: 4540 collisions a disk up to p = 1e5, and
+// a mean density at jamming of 0.84686 with a standard deviation of 0.0009 from start to start.
 TEST(GrowthPhysics, JamsWhereAnIndependentProgramDoes) {
   constexpr int starts = 4;
   double density = 0.0;
@@ -96,8 +96,8 @@ TEST(GrowthPhysics, ClosesTheGapsInProportionToOneOverThePressure) {
   EXPECT_NEAR(at_second, 2.0, 0.5);
 }
 
-// Without growth each of N₀ disks of the backbone, but for the motion of all, flies in a free volume that vanishes at φ_J:
-// p (1 − φ/φ_J) = 2 (N₀ − 1)/N.
+// Without growth each of N₀ disks of the backbone, but for the motion of all, flies in a free volume that vanishes at
+// φ_J: p (1 − φ/φ_J) = 2 (N₀ − 1)/N.
 TEST(GrowthPhysics, HasThePressureOfFreeVolumeInEquilibrium) {
   State state = fluid_of_two_sizes(256, 1.4, 7);
   Counters counters;

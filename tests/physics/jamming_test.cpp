@@ -1,5 +1,5 @@
-// Quenched and decompressed packings against those of an independent program: half the disks of diameter D, half of 1.4 D, random
-// points quenched at a packing fraction of 0.86 and decompressed to p = 1e-8.
+// Quenched and decompressed packings against those of an independent program: half the disks of diameter D, half of 1.4
+// D, random points quenched at a packing fraction of 0.86 and decompressed to p = 1e-8.
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,8 @@ double standard_error(std::vector<double> const& values) {
   return std::sqrt(sum / (n * (n - 1.0)));
 }
 
-/// One packing in a hundred rearranges at once on the way and falls apart; it has no jamming packing fraction, and is left out.
+/// One packing in a hundred rearranges at once on the way and falls apart; it has no jamming packing fraction, and is
+/// left out.
 Jammed quenched_and_decompressed(std::size_t disks, std::uint64_t starts) {
   Jammed jammed;
   std::uint64_t fallen_apart = 0;
@@ -93,8 +94,8 @@ TEST(JammingPhysics, PressureOfHarmonicDisksIsProportionalToTheDistanceToJamming
 }
 
 TEST(JammingPhysics, PressureOfHertzianDisksGrowsWithTheExponentThreeHalves) {
-  // Contacts that close in between make single starts differ by 0.006. They close above p = 1e-6 most of all: from there to 1e-5 the
-  // mean over starts would be 1.505(2).
+  // Contacts that close in between make single starts differ by 0.006. They close above p = 1e-6 most of all: from
+  // there to 1e-5 the mean over starts would be 1.505(2).
   std::vector<double> const all = exponents(Potential::hertzian, 1e-9, 40);
   EXPECT_LT(standard_error(all), 0.0015);
   EXPECT_NEAR(mean(all), 1.5, 0.003);
@@ -125,8 +126,8 @@ TEST(JammingPhysics, MeanJammingPackingFractionOf256DisksIsThatOfAnIndependentPr
 }
 
 TEST(JammingPhysics, TheShareOfJammedQuenchesIsThatOfSteepestDescent) {
-  // 3 · 10⁴ starts of steepest descent with an error of at most 0.001 and 0.01 D a step, followed down to residuals of 0.001 and 0.01:
-  // .433(3). By FIRE, and L-BFGS from a residual of 1, it is .388(5).
+  // 3 · 10⁴ starts of steepest descent with an error of at most 0.001 and 0.01 D a step, followed down to residuals of
+  // 0.001 and 0.01: .433(3). By FIRE, and L-BFGS from a residual of 1, it is .388(5).
   int const starts = 3000;
   int jammed = 0;
   for (std::uint64_t seed = 1; seed <= starts; ++seed) {

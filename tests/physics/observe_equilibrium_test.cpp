@@ -65,8 +65,8 @@ void expect_within_errors(Estimate const& estimate, double expected, std::string
 }
 
 TEST(PaperStart, HasTheMomentsOfVelocitiesUniformInADisk) {
-  // With s = v²/v₀² uniform on [0, 1]: ⟨v⟩ = 2/3 with variance 1/18, kT/m = ⟨v²⟩/2 = 1/4 with ⟨v²⟩ of variance 1/12, and
-  // ⟨v⁴⟩/⟨v²⟩² = 4/3. The ratio's relative variance per disk: s² and 2s together, var(s²/(1/3) − 2 s/(1/2)) =
+  // With s = v²/v₀² uniform on [0, 1]: ⟨v⟩ = 2/3 with variance 1/18, kT/m = ⟨v²⟩/2 = 1/4 with ⟨v²⟩ of variance 1/12,
+  // and ⟨v⁴⟩/⟨v²⟩² = 4/3. The ratio's relative variance per disk: s² and 2s together, var(s²/(1/3) − 2 s/(1/2)) =
   // 9·(4/45) + 16/12 − 24·(1/12) = 2/15.
   constexpr double n = 2500;
   MeasuredFluid run({.count = 2500}, 1);

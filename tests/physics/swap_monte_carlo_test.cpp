@@ -45,8 +45,8 @@ void sample(State& state, SwapSettings const& settings, std::uint64_t every, std
 }
 
 // Three disks in a channel in which none passes another. All that is allowed is equally likely, so an order has the
-// probability of its area ∫ (free length)³/6 over the heights, the free length being what end radii and the distances along the
-// channel at contact, √(σ² − Δy²), leave of it. Disks that are not next to each other never touch.
+// probability of its area ∫ (free length)³/6 over the heights, the free length being what end radii and the distances
+// along the channel at contact, √(σ² − Δy²), leave of it. Disks that are not next to each other never touch.
 TEST(SwapMonteCarlo, FindsTheLargestDiskOfThreeInTheMiddleOfAChannelAsOftenAsEnumerationSays) {
   constexpr double length = 1.5;
   constexpr double height = 0.7;
@@ -95,8 +95,8 @@ TEST(SwapMonteCarlo, FindsTheLargestDiskOfThreeInTheMiddleOfAChannelAsOftenAsEnu
   }
 }
 
-// Two disks between walls: Δx has the density of the difference of two uniform numbers, Δy too, and of the plane of (Δx, Δy) the
-// circle of contact is cut out.
+// Two disks between walls: Δx has the density of the difference of two uniform numbers, Δy too, and of the plane of
+// (Δx, Δy) the circle of contact is cut out.
 TEST(SwapMonteCarlo, FindsTwoDisksInABoxAsNearToEachOtherAsEnumerationSays) {
   constexpr double r = 0.12;
   constexpr double s = 0.25;
@@ -156,8 +156,8 @@ State compressed(State state, double packing_fraction) {
   }
 }
 
-/// βP/ρ = 1 + n(s)/(2 N s) for s → 0, n(s) being the number of pairs nearer than (1 + s) of contact; from three shells of 0.02,
-/// carried on to contact by a parabola.
+/// βP/ρ = 1 + n(s)/(2 N s) for s → 0, n(s) being the number of pairs nearer than (1 + s) of contact; from three shells
+/// of 0.02, carried on to contact by a parabola.
 class ContactPressure {
  public:
   explicit ContactPressure(State const& state) : state_(state) {}
@@ -200,8 +200,8 @@ class ContactPressure {
   std::vector<double> correlations_;
 };
 
-// βP/ρ of the fluid: Kolafa & Rottner 2006, which the engine `exact` is held to (validation/). 256 disks differ from infinitely
-// many by about a hundredth of Z − 1 at most.
+// βP/ρ of the fluid: Kolafa & Rottner 2006, which the engine `exact` is held to (validation/). 256 disks differ from
+// infinitely many by about a hundredth of Z − 1 at most.
 TEST(SwapMonteCarlo, GivesEqualDisksThePressureOfTheirFluid) {
   for (auto const& [packing_fraction, expected] : {std::pair(0.3, 2.063261), {0.5, 4.106364}, {0.6, 6.455337}}) {
     DisksSettings const disks{.count = 256, .packing_fraction = packing_fraction, .start = StartKind::triangular};
@@ -237,7 +237,8 @@ TEST(SwapMonteCarlo, GivesAMixtureTheSameMeansWithSwapsAndWithout) {
   EXPECT_LT(correlation[0].error, 0.02);
 }
 
-// Measured: of the cages 0.57 are left with swaps after 4000 sweeps and 0.92 without, of the bond orientations 0.11 and 0.64.
+// Measured: of the cages 0.57 are left with swaps after 4000 sweeps and 0.92 without, of the bond orientations 0.11 and
+// 0.64.
 TEST(SwapMonteCarlo, RelaxesADenseMixtureFasterWithSwaps) {
   DisksSettings const disks{
       .count = 200, .packing_fraction = 0.5, .sizes = SizeDistribution::inverse_cube, .start = StartKind::random};

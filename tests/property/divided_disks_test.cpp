@@ -60,7 +60,8 @@ class DividedDisksTest : public ::testing::Test {
  protected:
   DividedDisksTest() { write_file(start_file_, text_of_disks(300)); }
 
-  /// A file of disks in an order that is not that of the Ids, and not without gaps. `change` may change a row; it is given the Id.
+  /// A file of disks in an order that is not that of the Ids, and not without gaps. `change` may change a row; it is
+  /// given the Id.
   static std::string text_of_disks(
       std::size_t count, std::string const& columns = "id:I:1:pos:R:2:velo:R:2:radius:R:1",
       std::function<void(std::size_t row, std::string& line)> const& change = [](std::size_t, std::string&) {}) {

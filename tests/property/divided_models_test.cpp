@@ -1,5 +1,5 @@
-// Runs of models whose agents are divided among ranks, here threads: the files of one process, to the bit, whoever is born or dies
-// where, and however often the number of ranks changes.
+// Runs of models whose agents are divided among ranks, here threads: the files of one process, to the bit, whoever is
+// born or dies where, and however often the number of ranks changes.
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,8 @@ struct Heirs {
 
 std::string number(double value) { return std::to_string(value); }
 
-/// A run of a model that ranks can divide: with and without births, of agents that each rank makes by itself and of others.
+/// A run of a model that ranks can divide: with and without births, of agents that each rank makes by itself and of
+/// others.
 std::string any_run_of_model(std::uint64_t seed) {
   RandomStream random(seed, 0, 0, Purpose::start_position);
   auto const is = [&] { return random.below(2) == 0; };

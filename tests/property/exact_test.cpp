@@ -219,7 +219,8 @@ struct UnequalCase {
   friend std::ostream& operator<<(std::ostream& out, UnequalCase const& c) { return out << c.name; }
 };
 
-/// Disks of two sizes, and some between them: a large one has many neighbours, and they are found in cells of several sizes.
+/// Disks of two sizes, and some between them: a large one has many neighbours, and they are found in cells of several
+/// sizes.
 class ExactUnequal : public testing::TestWithParam<UnequalCase> {
  protected:
   /// Large disks first, each at a random place where it overlaps none before it; masses go with the areas.

@@ -117,8 +117,8 @@ TEST_P(GrowthProperty, GoesThroughTheSameEventsAsBruteForce) {
   }
 }
 
-/// By how much the disks of a scene can grow before they fill two thirds of the box, or of a periodic box so narrow that they
-/// could touch two images of a partner.
+/// By how much the disks of a scene can grow before they fill two thirds of the box, or of a periodic box so narrow
+/// that they could touch two images of a partner.
 double last_scale(State const& state) {
   double const now = covered_area(state.agents) / state.box.area();
   double const diameter = 2.0 * radius_range(state.agents).largest;

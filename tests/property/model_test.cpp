@@ -63,8 +63,8 @@ struct Coins {
   using type = std::uint32_t;
 };
 
-/// Agents that wander, hand a coin to their nearest neighbour, split when they are rich and die when they are poor: each
-/// turn changes what the next ones see, so that any other order gives other bits. No coin is lost.
+/// Agents that wander, hand a coin to their nearest neighbour, split when they are rich and die when they are poor:
+/// each turn changes what the next ones see, so that any other order gives other bits. No coin is lost.
 template <Schedule order>
 struct Market {
   static constexpr std::string_view name = "market";

@@ -1,5 +1,5 @@
-// What is measured of the same agents has the same bits, however their rows are ordered, and however they are divided among ranks,
-// here threads.
+// What is measured of the same agents has the same bits, however their rows are ordered, and however they are divided
+// among ranks, here threads.
 
 #include <gtest/gtest.h>
 
@@ -175,8 +175,8 @@ class Recorder {
   Numbers numbers_;
 };
 
-/// What one process measures of the rows in some order: anew for every sample where a seed is given, and in a run that was
-/// stopped and resumed then.
+/// What one process measures of the rows in some order: anew for every sample where a seed is given, and in a run that
+/// was stopped and resumed then.
 Numbers measured(Case const& c, std::uint64_t shuffle_seed = 0) {
   State state = start_of(c);
   auto const shuffled = [&](std::uint64_t sample) {

@@ -243,8 +243,8 @@ TEST_P(TakenTogether, AreTheSameAsOneByOne) {
 
 TEST_P(TakenTogether, ChooseTheLowerIdOfTwoDisksAsNear) {
   TakeBatch const take_batch = batch_kernel(GetParam());
-  // Disks that come exactly between two others, above and below, which they meet in the same sub-step; in every second triple the one above
-  // comes first. All numbers are sums of few powers of two.
+  // Disks that come exactly between two others, above and below, which they meet in the same sub-step; in every second
+  // triple the one above comes first. All numbers are sums of few powers of two.
   State state{.box = Box(64.0, 8.0, Edge::wall)};
   std::vector<std::uint32_t> rows;
   for (int k = 0; k < 14; ++k) {

@@ -1,5 +1,5 @@
-// Packings at random: contacts against all pairs, forces against differences of the energy, the Hessian against differences of
-// the forces, the backbone against its definition.
+// Packings at random: contacts against all pairs, forces against differences of the energy, the Hessian against
+// differences of the forces, the backbone against its definition.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -410,8 +410,8 @@ TEST(PairsOnSortedGrid, AreThoseOfBruteForceWhileFewPointsMove) {
   EXPECT_GT(moved, 5000U);
 }
 
-/// Most points in a small part of the box, in an image of it if the box is periodic: some at the same place, some exactly one cutoff
-/// apart, and a few everywhere else.
+/// Most points in a small part of the box, in an image of it if the box is periodic: some at the same place, some
+/// exactly one cutoff apart, and a few everywhere else.
 State crowd(Box const& box, std::size_t count, double cutoff, RandomStream& random) {
   State state{.box = box};
   Vector const corner{0.9 * random.uniform() * box.width(), 0.9 * random.uniform() * box.height()};

@@ -1,4 +1,5 @@
-// The engine `tiled` on several ranks, here threads: the bits, sums and messages of one process, however the box is cut.
+// The engine `tiled` on several ranks, here threads: the bits, sums and messages of one process, however the box is
+// cut.
 
 #include <gtest/gtest.h>
 

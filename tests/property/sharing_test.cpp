@@ -213,7 +213,8 @@ TEST(Sharing, StopsAtTheSameStepAndTimeWithAnyNumberOfThreads) {
   expect_same_stop({.step = one.clock.step + 100}, "after a word to stop");
 }
 
-// Many disks of a lattice with few speeds collide at the very same time: whose virial is added first is left to one thread.
+// Many disks of a lattice with few speeds collide at the very same time: whose virial is added first is left to one
+// thread.
 TEST(Sharing, LeavesCollisionsAtTheSameTimeToOneThread) {
   State state{.box = Box(30.0, 240.0, Edge::periodic), .seed = 1};
   for (std::uint64_t row = 0; row < 160; ++row) {

@@ -1,5 +1,5 @@
-// Pairs of points in the order of their cells: those of the definition, in its order, with any instructions; and of crowds of which one cell
-// holds more than a kernel takes at once.
+// Pairs of points in the order of their cells: those of the definition, in its order, with any instructions; and of
+// crowds of which one cell holds more than a kernel takes at once.
 
 #include "grid/sorted_pairs.hpp"
 

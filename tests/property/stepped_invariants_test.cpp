@@ -1,5 +1,5 @@
-// What the engine `stepped` promises for every system: no overlap, nobody outside, energy and momentum to rounding, and a
-// run that does not depend on how it is cut into pieces.
+// What the engine `stepped` promises for every system: no overlap, nobody outside, energy and momentum to rounding, and
+// a run that does not depend on how it is cut into pieces.
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

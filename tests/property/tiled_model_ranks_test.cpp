@@ -39,9 +39,9 @@ struct Trades {
   static constexpr char const* name = "trades";
 };
 
-/// Tiled agents that do all that a model may do: they change themselves and their neighbours by sums that round in the order of the
-/// neighbours; they wander, have children beside them and far away, die, and kill. Those that are late search anywhere, change whom they
-/// find there, and jump anywhere.
+/// Tiled agents that do all that a model may do: they change themselves and their neighbours by sums that round in the
+/// order of the neighbours; they wander, have children beside them and far away, die, and kill. Those that are late
+/// search anywhere, change whom they find there, and jump anywhere.
 struct Traders {
   static constexpr std::string_view name = "traders_of_test";
   static constexpr std::string_view documentation = "Agents that do all that a tiled model may do.";

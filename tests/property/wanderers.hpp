@@ -17,8 +17,9 @@ struct Weight {
   static constexpr char const* name = "weight";
 };
 
-/// Synchronous agents that do all that a model may do: they wander, some jump anywhere; they have children beside them and far
-/// away, die, and kill their neighbours, so that births, deaths and moves come to lie on cuts and in rims of all ranks.
+/// Synchronous agents that do all that a model may do: they wander, some jump anywhere; they have children beside them
+/// and far away, die, and kill their neighbours, so that births, deaths and moves come to lie on cuts and in rims of
+/// all ranks.
 struct Wanderers {
   static constexpr std::string_view name = "wanderers_of_test";
   static constexpr std::string_view documentation = "Agents that do all that a model may do.";

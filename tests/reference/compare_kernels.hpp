@@ -9,8 +9,8 @@
 
 namespace gridlock::reference {
 
-/// Compares the predictions of every kernel that this processor has with the reference, for all disks as they are now; false where the
-/// box has no room for kernels.
+/// Compares the predictions of every kernel that this processor has with the reference, for all disks as they are now;
+/// false where the box has no room for kernels.
 inline bool compare_kernels(exact::Dynamics& dynamics) {
   exact::PredictionInput const& input = dynamics.prediction_input();
   if (!exact::has_room_for_registers(input)) return false;
@@ -30,7 +30,8 @@ inline bool compare_kernels(exact::Dynamics& dynamics) {
       if (apart >= exact::vertical_border) continue;
       exact::PairPrediction const both = plain.pair(input, i, apart, now);
       exact::PairPrediction const found_both = kernel.pair(input, i, apart, now);
-      // Without having touched, the reference may still choose `apart`; a kernel does only where growth overtakes the two.
+      // Without having touched, the reference may still choose `apart`; a kernel does only where growth overtakes the
+      // two.
       EXPECT_TRUE(both.of_i.partner == apart ||
                   (both.of_i.time == found_both.of_i.time && both.of_i.partner == found_both.of_i.partner));
       EXPECT_TRUE(both.of_j.partner == i ||

@@ -12,8 +12,8 @@
 
 namespace gridlock::reference {
 
-/// Disks of mass 1 and mean temperature 1, every other one `ratio` times as large, from a square lattice with sizes at random
-/// places to a fluid at packing fraction 0.40, after a hundred collisions a disk.
+/// Disks of mass 1 and mean temperature 1, every other one `ratio` times as large, from a square lattice with sizes at
+/// random places to a fluid at packing fraction 0.40, after a hundred collisions a disk.
 inline State fluid_of_two_sizes(std::uint64_t count, double ratio, std::uint64_t seed) {
   State state{.box = Box(1.0, 1.0, Edge::periodic), .seed = seed};
   auto const columns = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(count))));

@@ -9,8 +9,8 @@
 
 namespace gridlock::reference {
 
-/// Points anywhere in a box of area 1, half of them disks of diameter D and half of 1.4 D. The box is no square, so that what takes x for y
-/// is found out; where published numbers are for squares, `width` is 1.
+/// Points anywhere in a box of area 1, half of them disks of diameter D and half of 1.4 D. The box is no square, so
+/// that what takes x for y is found out; where published numbers are for squares, `width` is 1.
 inline Packing random_packing(std::size_t disks, double packing_fraction, std::uint64_t seed,
                               Edge edge = Edge::periodic, double width = 1.25) {
   Packing packing{.box = Box(width, 1.0 / width, edge), .x = {}, .y = {}, .radius = {}};

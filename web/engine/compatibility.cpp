@@ -14,7 +14,8 @@ from_chars_result from_chars(char const* first, char const* last, double& value)
   return {end, error};
 }
 
-/// The shortest text that reads back to the same bits. fmt chooses between the formats as the only caller does, number_text().
+/// The shortest text that reads back to the same bits. fmt chooses between the formats as the only caller does,
+/// number_text().
 to_chars_result to_chars(char* first, char* last, double value, chars_format /*format*/) {
   auto const room = static_cast<size_t>(last - first);
   auto const [end, length] = fmt::format_to_n(first, room, "{}", value);

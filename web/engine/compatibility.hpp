@@ -1,8 +1,8 @@
 #pragma once
 
-// Included before every source by the compiler for WebAssembly: what C++20 has and the standard library of Emscripten 3.1.6 lacks.
-// Nothing of it changes a bit: algorithms on ranges are those of range-v3, the model of the standard's, and numbers are
-// read by fast_float and written by fmt, which round correctly, as charconv does.
+// Included before every source by the compiler for WebAssembly: what C++20 has and the standard library of Emscripten
+// 3.1.6 lacks. Nothing of it changes a bit: algorithms on ranges are those of range-v3, the model of the standard's,
+// and numbers are read by fast_float and written by fmt, which round correctly, as charconv does.
 
 #include <range/v3/algorithm.hpp>
 #include <range/v3/range/access.hpp>
@@ -18,7 +18,8 @@
 #include <system_error>
 #include <type_traits>
 
-// Random123 refuses processors that it does not know. Nothing in it depends on which one it is, but for instructions of x86.
+// Random123 refuses processors that it does not know. Nothing in it depends on which one it is, but for instructions of
+// x86.
 #define R123_USE_GNU_UINT128 1
 #define __riscv
 #include <Random123/features/compilerfeatures.h>

@@ -30,7 +30,7 @@ struct TrajectoryInMemory {
   std::span<std::uint32_t const> kinds = {};  ///< one for each agent, from 0 without a gap; empty: all of one kind
 };
 
-/// What is measured besides displacements.
+/// The quantities that are measured besides displacements.
 struct DynamicsSettings {
   double wave_number = 0.0;     ///< q of F_s(q, t), in 1 / length; 0: it is left out
   double overlap_length = 0.0;  ///< a of the overlap; 0: it is left out
@@ -61,17 +61,18 @@ struct Dynamics {
 ///     scattering           = ⟨J₀(q |Δr|)⟩              F_s(q, t), averaged over all directions of q
 ///     overlap              = share of agents with |Δr| ≤ a
 ///
-/// Frames may be even in time, in its logarithm, in blocks of it, or anyhow: pairs of frames whose lags differ by less than a
-/// thousandth of the shortest time between frames count as one lag. A mean takes all pairs of a lag. Its error comes from
-/// origins whose intervals do not overlap, averaged in blocks where they are many; it is absent where there is but one, and
-/// somewhat too large because overlapping intervals know more. It knows nothing of what changes more slowly than the trajectory.
-/// The result does not depend on the number of threads.
-/// Errors: Error for fewer than two frames, times that do not ascend, positions that are not finite, kinds with gaps, and more
-/// than 8192 frames that are not even in time.
-/// Cost: pairs of frames · agents · 0.5 ns with AVX-512, 1.1 ns without; with F_s 2 ns and 4.3 ns (AMD Zen 4). Memory: 1 MiB beside the
-/// trajectory, and 8 bytes a pair of frames that are not even in time.
-/// Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405 (⟨Δr²⟩, α₂); W. Kob & H. C. Andersen (1995), doi:10.1103/PhysRevE.52.4134
-/// (F_s of supercooled mixtures); N. Lačević et al. (2003), doi:10.1063/1.1605094 (overlap).
+/// Frames may be even in time, in its logarithm, in blocks of it, or anyhow: pairs of frames whose lags differ by less
+/// than a thousandth of the shortest time between frames count as one lag. A mean takes all pairs of a lag. Its error
+/// comes from origins whose intervals do not overlap, averaged in blocks where they are many; it is absent where there
+/// is but one, and somewhat too large because overlapping intervals know more. It knows nothing of what changes more
+/// slowly than the trajectory. The result does not depend on the number of threads.
+/// Errors: Error for fewer than two frames, times that do not ascend, positions that are not finite, kinds with gaps,
+/// and more than 8192 frames that are not even in time.
+/// Cost: pairs of frames · agents · 0.5 ns with AVX-512, 1.1 ns without; with F_s 2 ns and 4.3 ns (AMD Zen 4). Memory:
+/// 1 MiB beside the trajectory, and 8 bytes a pair of frames that are not even in time.
+/// Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405 (⟨Δr²⟩, α₂); W. Kob & H. C. Andersen (1995),
+/// doi:10.1103/PhysRevE.52.4134 (F_s of supercooled mixtures); N. Lačević et al. (2003), doi:10.1063/1.1605094
+/// (overlap).
 Dynamics find_dynamics(TrajectoryInMemory const& trajectory, DynamicsSettings const& settings);
 
 }  // namespace gridlock

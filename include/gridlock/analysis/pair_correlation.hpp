@@ -37,12 +37,13 @@ struct PairCorrelations {
 ///
 ///     g_ab(r) = pairs of an a and a b in the bin / (their number · area of the ring / area of the box)
 ///
-/// with N_a N_b pairs of different kinds and N_a (N_a − 1) / 2 of one kind: 1 for an ideal gas. No number where there is no
-/// such pair. `kinds` has one number for each point, from 0; empty: all are of one kind.
-/// Errors: Error for a box that is not periodic, a range above half its shorter side, no bins or more than 10⁷ for all pairs of kinds,
-/// a number of kinds that is not that of the points, and what NeighbourSearch refuses.
-/// The result does not depend on `threads` (0: all cores).
-/// Cost: 10 ns a pair in the range (AVX-512, AMD Zen 4). Source: J.-P. Hansen & I. R. McDonald, Theory of Simple Liquids (2013), chapter 2.
+/// with N_a N_b pairs of different kinds and N_a (N_a − 1) / 2 of one kind: 1 for an ideal gas. No number where there
+/// is no such pair. `kinds` has one number for each point, from 0; empty: all are of one kind.
+/// Errors: Error for a box that is not periodic, a range above half its shorter side, no bins or more than 10⁷ for all
+/// pairs of kinds, a number of kinds that is not that of the points, and what NeighbourSearch refuses. The result does
+/// not depend on `threads` (0: all cores).
+/// Cost: 10 ns a pair in the range (AVX-512, AMD Zen 4). Source: J.-P. Hansen & I. R. McDonald, Theory of Simple
+/// Liquids (2013), chapter 2.
 PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
                                         std::span<std::uint32_t const> kinds = {}, std::uint64_t threads = 1);
 

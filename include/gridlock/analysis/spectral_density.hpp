@@ -30,15 +30,16 @@ struct SpectralDensity {
   std::vector<std::uint64_t> vectors;  ///< how many there are in the ring, one of every two opposite ones
 };
 
-/// The spectral density of the area that disks cover, on the wave vectors of a periodic box, averaged over rings of equal width.
+/// The spectral density of the area that disks cover, on the wave vectors of a periodic box, averaged over rings of
+/// equal width.
 ///
 ///     χ_V(q) = |Σ_j exp(i q·r_j) 2π R_j J₁(q R_j)/q|² / A
 ///
-/// It vanishes for q → 0 where the disks are hyperuniform, for disks of several sizes too, whose structure factor does not. What overlaps
-/// counts twice. Rings without wave vectors are left out.
-/// Errors: Error for a box that is not periodic, radii whose number is not that of the points or that are not positive, no bins or more
-/// than 10⁷, a largest wave number that is not positive, and more than 10⁸ wave vectors. The result does not depend
-/// on `threads` (0: all cores).
+/// It vanishes for q → 0 where the disks are hyperuniform, for disks of several sizes too, whose structure factor does
+/// not. What overlaps counts twice. Rings without wave vectors are left out.
+/// Errors: Error for a box that is not periodic, radii whose number is not that of the points or that are not positive,
+/// no bins or more than 10⁷, a largest wave number that is not positive, and more than 10⁸ wave vectors. The result
+/// does not depend on `threads` (0: all cores).
 /// Cost: 2 ns a disk and wave vector, and 40 ns a wave vector and radius that differs from the others.
 /// Source: C. E. Zachary, Y. Jiao, S. Torquato (2011), doi:10.1103/PhysRevE.83.051308.
 SpectralDensity find_spectral_density(Box const& box, PointsInMemory const& points, std::span<double const> radii,

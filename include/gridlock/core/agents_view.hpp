@@ -36,7 +36,7 @@ class AgentsView {
   AgentsView(
       Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): what takes a view takes agents
       : ids_(agents.ids()), columns_{{Columns::name, agents.template column<Columns>()}...} {}
-  /// Of agents whose columns are known at run time only. Contract: one value for each Id in every column.
+  /// Makes a view of agents whose columns are known at run time only. Contract: one value for each Id in every column.
   AgentsView(std::span<Id const> ids, std::vector<std::pair<std::string_view, Values>> columns)
       : ids_(ids), columns_(std::move(columns)) {}
 
@@ -46,7 +46,7 @@ class AgentsView {
 
   /// All columns by name, in the order they are declared.
   [[nodiscard]] std::span<std::pair<std::string_view, Values> const> columns() const { return columns_; }
-  /// Of all columns, in the order they are declared.
+  /// The names of all columns, in the order they are declared.
   [[nodiscard]] std::vector<std::string_view> names() const {
     std::vector<std::string_view> names;
     for (auto const& column : columns_) names.push_back(column.first);

@@ -36,7 +36,7 @@ class Archive {
   /// Whether values come out of the archive into the object.
   [[nodiscard]] virtual bool is_restoring() const = 0;
 
-  /// What is visited until the matching leave() is inside `name`.
+  /// All members visited until the matching leave() are inside `name`.
   virtual void enter(std::string_view name) = 0;
   virtual void leave() = 0;
 
@@ -50,8 +50,8 @@ class Archive {
   virtual void visit(std::string_view name, std::vector<std::uint32_t>& values) = 0;
   virtual void visit(std::string_view name, std::vector<std::uint64_t>& values) = 0;
 
-  /// A value for each row of the agents, now or when they were noted down, or no values. Where processes divide the rows, each has
-  /// those of its own rows, and an archive may put them together.
+  /// A value for each row of the agents, now or when they were noted down, or no values. Where processes divide the
+  /// rows, each has those of its own rows, and an archive may put them together.
   virtual void visit_rows(std::string_view name, std::vector<double>& values) { visit(name, values); }
   virtual void visit_rows(std::string_view name, std::vector<std::int32_t>& values) { visit(name, values); }
   virtual void visit_rows(std::string_view name, std::vector<std::uint32_t>& values) { visit(name, values); }

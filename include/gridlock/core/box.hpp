@@ -16,7 +16,7 @@
 
 namespace gridlock {
 
-/// What a disk meets at the border of the box.
+/// A disk meets walls at the border of the box, or the border is periodic.
 enum class Edge { wall, periodic };
 
 /// The rectangle [0, width] × [0, height] all agents live in, with hard walls or periodic edges on all four sides.

@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What engines and models count.
+/// Engines and models count the events of a run.
 ///
 /// ```cpp
 /// Counters counters;
@@ -16,7 +16,7 @@
 
 namespace gridlock {
 
-/// What happened, counted from the start of the run; the caller keeps them and every advance() adds to them, so the sums
+/// Events counted from the start of the run; the caller keeps them and every advance() adds to them, so the sums
 /// do not depend on how a run is cut into chunks.
 struct Counters {
   enum Wall : std::size_t { left, right, bottom, top };

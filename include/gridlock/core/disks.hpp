@@ -91,7 +91,8 @@ struct HardDisks {
   using Agents = Disks;
 };
 
-/// All of the physics of hard disks and nothing else: two equal states have equal futures under the same engine settings.
+/// All of the physics of hard disks and nothing else: two equal states have equal futures under the same engine
+/// settings.
 ///
 /// ```cpp
 /// State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 7};

@@ -60,7 +60,7 @@ class FrameSource {
   [[nodiscard]] Frame whole() const { return piece(0, size()); }
 
  protected:
-  /// Of a frame without rows that has the box, clock, seed and columns, and of so many agents.
+  /// Makes the source of so many agents from a frame without rows that has the box, clock, seed and columns.
   FrameSource(Frame head, std::size_t size) : head_(std::move(head)), size_(size) {}
 
  private:

@@ -44,9 +44,9 @@ using Id = std::uint64_t;
 
 /// A structure of arrays: one contiguous column per property, one row per living agent.
 ///
-/// A column is declared as a tag `struct Radius { using type = double; static constexpr char const* name = "radius"; };`
-/// and read as `population.column<Radius>()[index]`. Rows have no lasting place: remove() moves the last row into the
-/// gap, so keep an Id, not an index, across births and deaths.
+/// A column is declared as a tag `struct Radius { using type = double; static constexpr char const* name = "radius";
+/// };` and read as `population.column<Radius>()[index]`. Rows have no lasting place: remove() moves the last row into
+/// the gap, so keep an Id, not an index, across births and deaths.
 /// Cost: add and remove O(1), no allocation per agent. Contract: an Id passed in is alive (asserted).
 template <class... Columns>
 class Population {
@@ -176,8 +176,8 @@ class Population {
     rows_ = std::move(rows);
   }
 
-  /// Becomes agents with these Ids and values, and leaves its own there. No Id is found: for a part of a population, of which
-  /// another one knows the names. Contract: one value in each column for each Id (asserted).
+  /// Becomes agents with these Ids and values, and leaves its own there. No Id is found: for a part of a population, of
+  /// which another one knows the names. Contract: one value in each column for each Id (asserted).
   void become(LargeArray<Id>& ids, AllValues& rows) {
     assert(rows.size() == ids.size());
     slots_.clear();
@@ -186,7 +186,8 @@ class Population {
     std::swap(rows_, rows);
   }
 
-  /// Of a part: this row, or one more behind the last, becomes that of an agent with this Id and the values of row `from`.
+  /// For a part: this row, or one more behind the last, becomes that of an agent with this Id and the values of row
+  /// `from`.
   void put_into_part(std::size_t row, Id id, AllValues const& values, std::size_t from) {
     if (row >= size()) {
       ids_.resize(row + 1);
@@ -196,8 +197,9 @@ class Population {
     rows_.copy(row, values, from);
   }
 
-  /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
-  /// same Ids. A part, see become(), stays one: nothing but its rows is restored. Errors: Error where what is restored is no population.
+  /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get
+  /// the same Ids. A part, see become(), stays one: nothing but its rows is restored. Errors: Error where what is
+  /// restored is no population.
   void serialize(Archive& archive) {
     bool const is_part = slots_.empty() && !ids_.empty();
     serialize_rows(archive);
@@ -228,8 +230,8 @@ class Population {
     return {slots_.size(), std::move(free)};
   }
 
-  /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever has pointers into
-  /// it keeps what it held. Cost: a copy.
+  /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever
+  /// has pointers into it keeps what it held. Cost: a copy.
   [[nodiscard]] std::shared_ptr<void> release() {
     auto const room_for = [&](std::size_t width) { return SideBySide::room_for(size() * width); };
     SideBySide const scope((room_for(sizeof(Id)) + ... + room_for(sizeof(typename Columns::type))));
@@ -284,7 +286,7 @@ class Population {
 
   void restore_slots(Archive& archive, FreeNames const& names) {
     std::uint64_t slots = names.slots();
-    // Of a population that was serialized in parts only the living may have a name.
+    // In a population that was serialized in parts only the living may have a name.
     for (Id const id : ids_) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
     for (Id const id : names.free()) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
     archive.require(slots <= 64 * (ids_.size() + names.free().size()) + most_unused_names,

@@ -17,7 +17,8 @@
 
 namespace gridlock {
 
-/// What a random number is for. Numbers of different purposes are independent; never renumber, old runs depend on it.
+/// The purpose of a random number. Numbers of different purposes are independent; never renumber, old runs depend on
+/// it.
 enum class Purpose : std::uint64_t {
   start_position = 1,
   start_velocity = 2,

@@ -41,7 +41,8 @@ struct SettingInfo {
 /// Receives every setting of an aggregate, one call each, in the order they are documented.
 ///
 /// An aggregate describes itself once, in `void describe(Settings&, SettingVisitor&)`; reading TOML, --set, writing the
-/// resolved configuration, `gridlock explain` and the reference page are visitors, so that none of them can drift apart.
+/// resolved configuration, `gridlock explain` and the reference page are visitors, so that none of them can drift
+/// apart.
 class SettingVisitor {
  public:
   virtual ~SettingVisitor() = default;

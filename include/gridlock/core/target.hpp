@@ -12,8 +12,8 @@
 
 namespace gridlock {
 
-/// Instructions that kernels are written for, the plainest first. Results have the same bits with any. A kernel that is not written for
-/// these takes the next plainer ones that it is written for.
+/// Instructions that kernels are written for, the plainest first. Results have the same bits with any. A kernel that is
+/// not written for these takes the next plainer ones that it is written for.
 enum class Target {
   scalar,  ///< what the compiler makes of plain C++
   sse4,    ///< two numbers at a time: x86 with SSE4.2
@@ -27,7 +27,8 @@ bool is_available(Target target);
 /// All that are, the plainest first.
 std::vector<Target> available_targets();
 
-/// The fastest instructions that this processor has, or those that the environment variable GRIDLOCK_TARGET names; looked up once.
+/// The fastest instructions that this processor has, or those that the environment variable GRIDLOCK_TARGET names;
+/// looked up once.
 /// Errors: Error where it names none, or instructions that this processor or this build lacks.
 Target target();
 

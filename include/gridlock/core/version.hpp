@@ -2,7 +2,8 @@
 
 namespace gridlock {
 
-/// The library's version and the commit that it was built from, as in summary.json and checkpoints: another version may give other bits.
+/// The library's version and the commit that it was built from, as in summary.json and checkpoints: another version may
+/// give other bits.
 ///
 ///     0.2.0-dev+0123456789ab            of that commit
 ///     0.2.0-dev+0123456789ab.modified   with changes to what is compiled

@@ -56,8 +56,8 @@ constexpr std::span<std::string_view const> event_names() {
 template <class Model>
 using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
 
-/// The agents of a model, the box they live in, the clock and the seed: two equal worlds have equal futures under the same
-/// settings.
+/// The agents of a model, the box they live in, the clock and the seed: two equal worlds have equal futures under the
+/// same settings.
 ///
 /// `Model` names the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
 template <class Model>

@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What advances a world: engines, their settings and records.
+/// Engines advance a world: their interface, settings and records.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -56,7 +56,7 @@ struct Count {
   std::uint64_t value = 0;
 };
 
-/// What advances the world of a model. One virtual call per chunk of work, never per agent.
+/// An engine advances the world of a model. One virtual call per chunk of work, never per agent.
 template <class Model>
 class EngineFor {
  public:
@@ -65,8 +65,8 @@ class EngineFor {
   EngineFor& operator=(EngineFor const&) = delete;
   virtual ~EngineFor() = default;
 
-  /// Moves the world on until the stop condition holds and adds what happened to the counters. Between calls the world is
-  /// plain and up to date, and the caller may change it.
+  /// Moves the world on until the stop condition holds and adds what happened to the counters. Between calls the world
+  /// is plain and up to date, and the caller may change it.
   /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
   virtual void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) = 0;
 
@@ -76,14 +76,14 @@ class EngineFor {
   /// Throws Error for a world that this engine cannot advance rightly, as its constructor does.
   virtual void require_valid(World<Model> const& world) const = 0;
 
-  /// What happened, by name.
+  /// The counters of events, by name.
   [[nodiscard]] virtual std::vector<Count> counts(World<Model> const& world, Counters const& counters) const = 0;
 
   /// How often the checks were made that EngineSettings::audit_every asks for, by name; empty where it asks for none.
   [[nodiscard]] virtual std::vector<Count> audits() const { return {}; }
 
-  /// Serializes what the engine keeps between two calls of advance() besides the world, which has been serialized before:
-  /// restored into an engine made for the same start, it continues with the same bits. Most keep nothing.
+  /// Serializes what the engine keeps between two calls of advance() besides the world, which has been serialized
+  /// before: restored into an engine made for the same start, it continues with the same bits. Most keep nothing.
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
 };
 
@@ -91,8 +91,8 @@ class EngineFor {
 /// approach each other.
 enum class CollisionRule { always, approaching };
 
-/// What finds the neighbours of a disk in `stepped`: the paper's linked lists, the readable reference, or cells packed
-/// into cache lines. Both give the same bits.
+/// The grid that finds the neighbours of a disk in `stepped`: the paper's linked lists, the readable reference, or
+/// cells packed into cache lines. Both give the same bits.
 enum class GridKind { linked, packed };
 
 /// The settings `[engine]`.
@@ -109,7 +109,7 @@ struct EngineSettings {
   AllProcesses processes = {};  ///< that share the steps of tiled with this one; nothing that a file can set
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
-/// Of them the threads alone, which is all that other models use.
+/// Describes the threads alone, which is all that other models use.
 void describe_threads(EngineSettings& settings, SettingVisitor& visitor);
 
 /// A dynamics of hard disks.
@@ -122,7 +122,7 @@ class Engine : public EngineFor<HardDisks> {
   [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override;
 };
 
-/// What an engine tells of itself: nothing outside its own two files compares its name.
+/// The record of an engine: nothing outside its own two files compares its name.
 struct EngineRecord {
   std::string_view name;           ///< engine.kind
   std::string_view documentation;  ///< what it is, in words that follow its name
@@ -133,8 +133,8 @@ struct EngineRecord {
   double bytes_per_disk_of_threads = 0.0;     ///< what more than one thread add to that peak
   double bytes_per_disk_of_checkpoint = 0.0;  ///< what a checkpoint adds to that peak
   double bytes_per_cell = 0.0;                ///< of the cells that engine.cells asks for
-  /// The setting of the table [engine] because of which a run does not depend on another one of it: "kind", or "grid" for
-  /// cells that the packed grid chooses by itself. Empty where it depends on it.
+  /// The setting of the table [engine] because of which a run does not depend on another one of it: "kind", or "grid"
+  /// for cells that the packed grid chooses by itself. Empty where it depends on it.
   std::string_view (*unused_because_of)(EngineSettings const& settings, std::string_view setting) = nullptr;
   /// The expected cost of a move, in moves on cells chosen from the sizes.
   double (*cost_of_move)(EngineSettings const& settings, State const& state) = nullptr;

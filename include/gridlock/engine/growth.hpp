@@ -29,29 +29,30 @@ class Dynamics;
 class LeftState;
 }  // namespace exact
 
-/// Rates of growth γ. A disk collides about 9/γ times until it is jammed: at the slowest rate, days for a hundred disks. Above the fastest
-/// one disks grow faster than they fly.
+/// Rates of growth γ. A disk collides about 9/γ times until it is jammed: at the slowest rate, days for a hundred
+/// disks. Above the fastest one disks grow faster than they fly.
 inline constexpr double slowest_growth = 1e-9;
 inline constexpr double fastest_growth = 1.0;
 
 /// How disks grow and when they stop: at whichever of the two ends comes first, of which at least one is given.
 struct GrowthSettings {
-  /// γ = (dD/dt) / √(kT/m): D the diameter of the smallest disk, m the mass of the lightest of that size, kT that of the start.
+  /// γ = (dD/dt) / √(kT/m): D the diameter of the smallest disk, m the mass of the lightest of that size, kT that of
+  /// the start.
   double rate = 1e-3;
   std::optional<double> packing_fraction;  ///< to end at, exactly
   std::optional<double> pressure;          ///< reduced pressure βP/ρ to reach, measured since the last rescaling
-  /// Pair collisions divided by disks, after which the pressure is measured and the velocities are rescaled to kT of the start;
-  /// two hits at walls count as one.
+  /// Pair collisions divided by disks, after which the pressure is measured and the velocities are rescaled to kT of
+  /// the start; two hits at walls count as one.
   double collisions_per_rescaling = 20.0;
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits; 0 is never
 };
 
-/// Lubachevsky–Stillinger growth in the exact engine: between collisions every radius grows linearly, R_i(t) = R_i(0) (1 + g t)
-/// with one g for all, so that the ratios of sizes stay.
+/// Lubachevsky–Stillinger growth in the exact engine: between collisions every radius grows linearly, R_i(t) = R_i(0)
+/// (1 + g t) with one g for all, so that the ratios of sizes stay.
 ///
-/// With σ = R_i + R_j and a = dσ/dt a collision turns the velocity v along the line of centres into −v + 2a: growth heats the
-/// disks, and every 20 collisions a disk their velocities are scaled back. The walls of the box do the same with R.
-/// The reduced pressure is that of all collisions since the last rescaling,
+/// With σ = R_i + R_j and a = dσ/dt a collision turns the velocity v along the line of centres into −v + 2a: growth
+/// heats the disks, and every 20 collisions a disk their velocities are scaled back. The walls of the box do the same
+/// with R. The reduced pressure is that of all collisions since the last rescaling,
 ///     p = 1 + Σ (σ|Δp| of pairs + R|Δp| of walls) / (2 N kT t),
 /// which diverges like 2/(1 − φ/φ_J) where nothing can move any more. It says nothing more: fast growth ends at a high
 /// pressure in states that are not jammed.
@@ -69,9 +70,9 @@ class Growth {
   Growth& operator=(Growth const&) = delete;
   ~Growth();
 
-  /// Grows the disks until an end is reached, and says so; or until `should_continue`, asked now and then and after each
-  /// audit, says no. Radii, positions, velocities and the time in `state` belong together, also where it was interrupted; at an
-  /// end the velocities are those of kT of the start.
+  /// Grows the disks until an end is reached, and says so; or until `should_continue`, asked now and then and after
+  /// each audit, says no. Radii, positions, velocities and the time in `state` belong together, also where it was
+  /// interrupted; at an end the velocities are those of kT of the start.
   bool advance(State& state, Counters& counters, std::function<bool()> const& should_continue = {});
 
   /// Whether an end is reached: advance() does nothing more.

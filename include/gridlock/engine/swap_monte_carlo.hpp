@@ -35,8 +35,8 @@ struct SwapSettings {
   double swap_fraction = 0.2;      ///< share of the trial moves that swap radii
   /// The largest displacement along x and along y, in mean diameters; left out: adjusted.
   std::optional<double> step;
-  /// Share of the sweeps, at their start, in which the step is adjusted until 40 % of the displacements are accepted. They count
-  /// for no average.
+  /// Share of the sweeps, at their start, in which the step is adjusted until 40 % of the displacements are accepted.
+  /// They count for no average.
   double adjusting = 0.1;
   std::uint64_t stage = 0;  ///< runs of one seed that differ in this number have random numbers of their own; below 2²⁴
 };
@@ -49,18 +49,20 @@ struct SwapCounts {
   std::uint64_t accepted_swaps = 0;
 };
 
-/// What is left after `lag` sweeps, over all time origins.
+/// Correlation after `lag` sweeps, over all time origins.
 struct SwapCorrelation {
   std::uint64_t lag = 0;
   std::uint64_t origins = 0;
-  /// Q = ⟨share of disks with |Δr_i − ⟨Δr_j⟩| < 0.3 mean diameters⟩, j the neighbours of i at the origin: how many are still in
-  /// the cage they were in. Relative to the neighbours, since in two dimensions whole regions drift without any rearrangement.
+  /// Q = ⟨share of disks with |Δr_i − ⟨Δr_j⟩| < 0.3 mean diameters⟩, j the neighbours of i at the origin: how many are
+  /// still in the cage they were in. Relative to the neighbours, since in two dimensions whole regions drift without
+  /// any rearrangement.
   double self_overlap = 1.0;
-  /// C₆ = ⟨Re Σ ψ6_i(t) ψ6_i*(0)⟩/⟨Σ |ψ6_i(0)|²⟩, the bond orientations of disks with neighbours nearer than 1.5 lattice spacings.
+  /// C₆ = ⟨Re Σ ψ6_i(t) ψ6_i*(0)⟩/⟨Σ |ψ6_i(0)|²⟩, the bond orientations of disks with neighbours nearer than 1.5
+  /// lattice spacings.
   double bond_orientation = 1.0;
 };
 
-/// What a user has to know to judge whether equilibrium was reached.
+/// The numbers by which a user judges whether equilibrium was reached.
 struct SwapReport {
   std::uint64_t sweeps = 0;  ///< done, those of the adjusting too
   double step = 0.0;         ///< in mean diameters
@@ -77,16 +79,16 @@ struct SwapReport {
 
 /// Monte Carlo of hard disks in which disks also exchange their radii.
 ///
-/// A trial move picks a disk at random. A displacement, uniform in a square of side 2·step, is accepted if the disk overlaps
-/// nothing at its new place. A swap picks a second disk and exchanges the radii of the two (Ids, places, velocities and masses
-/// stay) and is accepted if none overlaps then. Each trial is as likely as its reverse, so that in the long run all arrangements
-/// of the disks and of their radii that do not overlap are equally likely. Once disks are dense, a disk leaves its cage by
-/// becoming smaller: with the σ⁻³ distribution of sizes equilibrium is reached at densities at which molecular dynamics stands
-/// still (Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039; in two dimensions Berthier et al. 2019,
-/// doi:10.1038/s41467-019-09512-3).
+/// A trial move picks a disk at random. A displacement, uniform in a square of side 2·step, is accepted if the disk
+/// overlaps nothing at its new place. A swap picks a second disk and exchanges the radii of the two (Ids, places,
+/// velocities and masses stay) and is accepted if none overlaps then. Each trial is as likely as its reverse, so that
+/// in the long run all arrangements of the disks and of their radii that do not overlap are equally likely. Once disks
+/// are dense, a disk leaves its cage by becoming smaller: with the σ⁻³ distribution of sizes equilibrium is reached at
+/// densities at which molecular dynamics stands still (Ninarello, Berthier, Coslovich 2017,
+/// doi:10.1103/PhysRevX.7.021039; in two dimensions Berthier et al. 2019, doi:10.1038/s41467-019-09512-3).
 ///
-/// The result is a pure function of the state, the settings and the seed: the same bits however the sweeps are divided into
-/// calls, whatever the order of the rows, killed and resumed. Time does not pass: the clock of the state stays.
+/// The result is a pure function of the state, the settings and the seed: the same bits however the sweeps are divided
+/// into calls, whatever the order of the rows, killed and resumed. Time does not pass: the clock of the state stays.
 /// Errors: Error for settings out of their bounds, no disks, and a state that validate() refuses.
 /// Cost: docs/notebook/jamming.md; 100 bytes a disk, and up to 20 MB for the correlations.
 class SwapMonteCarlo {

@@ -47,8 +47,8 @@ struct NeighbourLists {
 
 /// All pairs of points with |separation| < cutoff, the minimum image in a periodic box.
 ///
-/// Coordinates may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for themselves.
-/// The order of the pairs is a function of the points alone, not of `threads` (0: all cores).
+/// Coordinates may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for
+/// themselves. The order of the pairs is a function of the points alone, not of `threads` (0: all cores).
 /// Errors: those of NeighbourSearch. Cost: docs/reference/performance.md.
 PointPairs find_pairs(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
 
@@ -64,10 +64,11 @@ struct DiskReach {
 
 /// All pairs of disks that are so near, the minimum image in a periodic box; radius[i] is that of the disk at point i.
 ///
-/// Disks of like size share a grid of cells, and a small disk looks for large ones in theirs, so that few large disks among many small ones cost what as many
-/// small ones do (hierarchical grids: Krijgsman, Ogarko and Luding 2014, doi:10.1007/s40571-014-0020-9). The order of the
-/// pairs is a function of the disks alone.
-/// Errors: those of find_pairs() with the reach of the two largest; Error for other than one radius a disk, radii that are not positive, and a factor that is not.
+/// Disks of like size share a grid of cells, and a small disk looks for large ones in theirs, so that few large disks
+/// among many small ones cost what as many small ones do (hierarchical grids: Krijgsman, Ogarko and Luding 2014,
+/// doi:10.1007/s40571-014-0020-9). The order of the pairs is a function of the disks alone.
+/// Errors: those of find_pairs() with the reach of the two largest; Error for other than one radius a disk, radii that
+/// are not positive, and a factor that is not.
 /// Cost: that of find_pairs() for equal disks; docs/reference/performance.md.
 ///
 /// ```cpp

@@ -23,19 +23,21 @@ namespace gridlock {
 /// search.for_each_neighbour(0, [](std::size_t j, Vector separation) { /* r_j − r_0 */ });
 /// ```
 ///
-/// A separation is measured in double precision, the minimum image in a periodic box; |separation| < cutoff. Coordinates
-/// may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for themselves, which
-/// is right but slow where there are many.
-/// The order of the visits is a function of the points alone, and of those before where they were updated.
+/// A separation is measured in double precision, the minimum image in a periodic box; |separation| < cutoff.
+/// Coordinates may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for
+/// themselves, which is right but slow where there are many. The order of the visits is a function of the points alone,
+/// and of those before where they were updated.
 ///
 /// The search keeps views of x and y, not copies. They must stay as they are, and where they are, until update() or the
 /// end of the search. Several threads may search at once.
-/// Errors: Error for lists of different lengths, coordinates that are not finite, more than 250 million points, a cutoff
-/// outside 10⁻⁶⁰ … 10⁶⁰ or above half the shorter side of a periodic box, and a box with sides outside that range.
-/// Cost for a million points in no order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns for all
-/// pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.8 times as much for building and an
-/// update, up to 1.5 times as much for all pairs, and as much for an update as for building where more than one point in
-/// eight comes to another cell. Whether points crowd no longer is asked after as many have come to other cells as there are points.
+/// Errors: Error for lists of different lengths, coordinates that are not finite, more than 250 million points, a
+/// cutoff outside 10⁻⁶⁰ … 10⁶⁰ or above half the shorter side of a periodic box, and a box with sides outside that
+/// range.
+/// Cost for a million points in no order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns for
+/// all pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.8 times as much for
+/// building and an update, up to 1.5 times as much for all pairs, and as much for an update as for building where more
+/// than one point in eight comes to another cell. Whether points crowd no longer is asked after as many have come to
+/// other cells as there are points.
 class NeighbourSearch {
  public:
   /// Point i is at (x[i], y[i]).

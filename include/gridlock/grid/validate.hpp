@@ -14,17 +14,17 @@
 
 namespace gridlock {
 
-/// What validate() lets pass as rounding; by default nothing.
+/// Overlaps that validate() lets pass as rounding; by default none.
 struct Tolerance {
   double overlap = 0.0;       ///< of two disks
   double beyond_walls = 0.0;  ///< of a rim
 };
 
 /// Throws Error naming every broken invariant (the first few of each kind): finite columns, positive radius and mass,
-/// centres at least a radius inside the walls or within [0, side) of a periodic box whose
-/// sides hold the largest disk (or a disk would overlap its own image), and no two disks nearer than the
-/// sum of their radii; an overlap names both Ids and the gap. Sides, radii, masses and the largest speed lie from 10⁻⁶⁰ to
-/// 10⁶⁰, or nothing moves at all, so that no product of them leaves the range of numbers.
+/// centres at least a radius inside the walls or within [0, side) of a periodic box whose sides hold the largest disk
+/// (or a disk would overlap its own image), and no two disks nearer than the sum of their radii; an overlap names both
+/// Ids and the gap. Sides, radii, masses and the largest speed lie from 10⁻⁶⁰ to 10⁶⁰, or nothing moves at all, so that
+/// no product of them leaves the range of numbers.
 /// Cost: O(N) for disks of similar size.
 void validate(State const& state, Tolerance const& tolerance = {});
 

@@ -32,7 +32,7 @@ struct H5mdObservable {
   std::string unit;  ///< empty for pure numbers
 };
 
-/// What a trajectory is of, written once at its beginning.
+/// The description of a trajectory, written once at its beginning.
 struct H5mdSettings {
   std::string agents = "disks";  ///< name of the group below /particles
   std::string configuration;     ///< the run it belongs to, TOML
@@ -42,7 +42,7 @@ struct H5mdSettings {
   /// Names of the numbers 0, 1, 2 … of a column, by the name of the column.
   std::map<std::string, std::vector<std::string>> value_names = {};
   std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
-  /// Of the start, where it is a packing; not read back, see H5mdReader::contacts().
+  /// The contacts of the start, where it is a packing; not read back, see H5mdReader::contacts().
   std::optional<FrameContacts> contacts = {};
   std::string creator = "gridlock";        ///< the program that has written it; empty where it does not say
   std::vector<std::string> left_out = {};  ///< of another program's file: groups and quantities that are not read
@@ -75,8 +75,8 @@ struct H5mdFrame {
 /// is written in the single-writer-multiple-reader mode of HDF5, whose order keeps the file readable in that mode even
 /// where the process is killed in the middle of it; append() then continues after the last whole frame. What the
 /// operating system had not brought to the disk when the power failed is not covered.
-/// Errors: RunFailure where the file cannot be written. Cost: docs/reference/trajectories.md; of the rows of a frame, some
-/// 10 MB for each core in memory at most, whatever the size of the frame.
+/// Errors: RunFailure where the file cannot be written. Cost: docs/reference/trajectories.md; of the rows of a frame,
+/// some 10 MB for each core in memory at most, whatever the size of the frame.
 class H5mdWriter {
  public:
   /// Begins a trajectory with the columns of `first`, which is not written yet. The file appears under its name whole;
@@ -87,8 +87,8 @@ class H5mdWriter {
   }
 
   /// Continues a trajectory, repairing it where its writer was killed.
-  /// Errors: Error where it is no trajectory of these columns, or where its last frame is damaged or cut off; then the file
-  /// stays as it is.
+  /// Errors: Error where it is no trajectory of these columns, or where its last frame is damaged or cut off; then the
+  /// file stays as it is.
   static H5mdWriter append(std::filesystem::path const& path, FrameSource const& first);
   static H5mdWriter append(std::filesystem::path const& path, Frame const& first) {
     return append(path, *frame_source_of(first));
@@ -118,12 +118,13 @@ namespace h5md {
 class Source;
 }  // namespace h5md
 
-/// Reads trajectories in H5MD: those that H5mdWriter writes, also while another process writes them and after a kill, and
-/// those of other programs.
+/// Reads trajectories in H5MD: those that H5mdWriter writes, also while another process writes them and after a kill,
+/// and those of other programs.
 ///
-/// A checksum over every frame of H5mdWriter finds damage that the checks of HDF5 do not see. Of other programs it reads the
-/// first group of particles that has positions, in the plane or of one z, in a rectangular box that is periodic in both
-/// directions or in none; what docs/reference/trajectories.md says of them holds here. They have no state hash.
+/// A checksum over every frame of H5mdWriter finds damage that the checks of HDF5 do not see. Of other programs it
+/// reads the first group of particles that has positions, in the plane or of one z, in a rectangular box that is
+/// periodic in both directions or in none; what docs/reference/trajectories.md says of them holds here. They have no
+/// state hash.
 /// Errors: Error naming the file for anything missing, damaged or of another shape.
 class H5mdReader {
  public:
@@ -133,14 +134,14 @@ class H5mdReader {
   H5mdReader& operator=(H5mdReader&& other) noexcept;
 
   [[nodiscard]] std::size_t frame_count() const;
-  /// What the trajectory was created with; the compression is not read back.
+  /// The description that the trajectory was created with; the compression is not read back.
   [[nodiscard]] H5mdSettings const& settings() const;
   /// The clock of each frame.
   [[nodiscard]] std::span<Clock const> clocks() const;
   /// The columns of every frame.
   [[nodiscard]] std::vector<std::string> column_names() const;
-  /// Observable number k of the settings at each frame. Cheaper than frame() for each: no agents are read, so no checksum
-  /// is compared. Requires k < settings().observables.size().
+  /// Observable number k of the settings at each frame. Cheaper than frame() for each: no agents are read, so no
+  /// checksum is compared. Requires k < settings().observables.size().
   [[nodiscard]] std::vector<double> observable(std::size_t k) const;
   /// Requires k < frame_count().
   [[nodiscard]] H5mdFrame frame(std::size_t k) const;
@@ -151,11 +152,11 @@ class H5mdReader {
   std::unique_ptr<h5md::Source> source_;
 };
 
-/// A note on what H5mdReader leaves out of the trajectory of another program, by name, and how to come to another group of
-/// agents; empty where it reads all.
+/// A note on what H5mdReader leaves out of the trajectory of another program, by name, and how to come to another group
+/// of agents; empty where it reads all.
 std::string note_on_left_out(std::filesystem::path const& path, H5mdSettings const& settings);
 
-/// What a trajectory is turned into.
+/// The formats that a trajectory is turned into.
 enum class ExportFormat {
   xyz,  ///< extended XYZ, all frames in one file: OVITO, ASE
   vtk,  ///< a .pvd file that lists a .vtp file for each frame, in a directory beside it: ParaView

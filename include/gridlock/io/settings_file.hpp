@@ -104,7 +104,8 @@ class SettingsFile {
 /// Every setting that has a value as TOML, one table after the other; read back by read_into() to the same bits.
 std::string to_toml(Describe const& describe);
 
-/// What a setting means, for a terminal: documentation, type, unit, bounds, choices, default (the value it has now).
+/// The meaning of a setting, for a terminal: documentation, type, unit, bounds, choices, default (the value it has
+/// now).
 ///
 /// `key` is a dotted key, a table, the last part of a key ("packing_fraction"), or empty for everything.
 /// Errors: Error for an unknown key, with the nearest one.

@@ -39,11 +39,12 @@ struct SpeciesSettings {
 };
 void describe(SpeciesSettings& settings, SettingVisitor& visitor);
 
-/// How the sizes of the disks are distributed: all equal, or P(σ) ∝ σ⁻³ between a smallest and a largest diameter, the same
-/// share of disks at every σ between them, or a normal distribution cut off at three standard deviations.
+/// How the sizes of the disks are distributed: all equal, or P(σ) ∝ σ⁻³ between a smallest and a largest diameter, the
+/// same share of disks at every σ between them, or a normal distribution cut off at three standard deviations.
 ///
-/// σ⁻³: Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039. A share of area ∝ σ² P(σ) dσ = dσ/σ at every
-/// size leaves no size alone, so that neighbouring sizes can change places at any density and nothing crystallizes.
+/// σ⁻³: Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039. A share of area ∝ σ² P(σ) dσ = dσ/σ at
+/// every size leaves no size alone, so that neighbouring sizes can change places at any density and nothing
+/// crystallizes.
 enum class SizeDistribution { equal, inverse_cube, uniform, normal };
 
 /// Where the disks stand at the start. `uniform`: points uniformly at random, whose disks overlap.
@@ -81,25 +82,28 @@ struct VelocitySettings {
 void describe(VelocitySettings& settings, SettingVisitor& visitor);
 
 /// Disks of the settings, on their sites, at rest; Ids 0 … count − 1 in the order of the sites, row after row from the
-/// lower left. Species are dealt out at random, exactly round(fraction · count) of each; so are the sizes of a distribution,
-/// its quantiles (k + ½)/count, which are the same for every seed. Disks of a `uniform` start overlap: soft disks may.
+/// lower left. Species are dealt out at random, exactly round(fraction · count) of each; so are the sizes of a
+/// distribution, its quantiles (k + ½)/count, which are the same for every seed. Disks of a `uniform` start overlap:
+/// soft disks may.
 ///
 /// Errors: Error where the settings contradict each other or the disks cannot fit, naming the largest packing fraction
 /// that does.
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed);
 
-/// The rows of a share, by which processes divide the disks: no process has all, and the bits are those of one. All call it.
-/// Contract: the share is one of count_of(settings) rows. Memory: that of the rows; for a mixture or a distribution of sizes a bit for each
-/// disk of all and up to 56 bytes for each row, until it returns; for a random start of more than 5,000 disks 90 bytes for each row.
+/// The rows of a share, by which processes divide the disks: no process has all, and the bits are those of one. All
+/// call it.
+/// Contract: the share is one of count_of(settings) rows. Memory: that of the rows; for a mixture or a distribution of
+/// sizes a bit for each disk of all and up to 56 bytes for each row, until it returns; for a random start of more than
+/// 5,000 disks 90 bytes for each row.
 /// Errors: the same, on all of them.
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, ShareOfRows const& share);
 
 /// How many disks the settings ask for.
 std::uint64_t count_of(DisksSettings const& settings);
 
-/// How many places a random start will try in all, each about 0.15 µs; from a sample of 5000 of its disks, about a second at
-/// most. 0 for starts that take no such time: other kinds, few disks, packing fractions up to 0.4, and those that
-/// make_start() refuses after such a sample. Errors: Error for settings that contradict each other.
+/// How many places a random start will try in all, each about 0.15 µs; from a sample of 5000 of its disks, about a
+/// second at most. 0 for starts that take no such time: other kinds, few disks, packing fractions up to 0.4, and those
+/// that make_start() refuses after such a sample. Errors: Error for settings that contradict each other.
 double expected_attempts(Box const& box, DisksSettings const& settings, std::uint64_t seed);
 
 /// Draws a velocity for every disk: a function of (seed, Id) alone, but for the drift.
@@ -114,11 +118,12 @@ void draw_velocities(State& state, VelocitySettings const& settings);
 /// The same for the rows of a share; all processes call it.
 void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows const& share);
 
-/// The largest radius of equal disks on the best lattice of at least `count` sites, its packing fraction, and `count` of its sites.
+/// The largest radius of equal disks on the best lattice of at least `count` sites, its packing fraction, and `count`
+/// of its sites.
 ///
-/// square: columns × rows sites (c + ½, r + ½) in units of the spacings, columns and rows chosen for the largest radius.
-/// triangular: rows of p and p or p and p − 1 sites, every second one shifted by half a spacing, stretched to fill the
-/// box; number of rows, p and orientation chosen for the largest radius, min(a_x, √(a_x²/4 + a_y²), 2 a_y)/2.
+/// square: columns × rows sites (c + ½, r + ½) in units of the spacings, columns and rows chosen for the largest
+/// radius. triangular: rows of p and p or p and p − 1 sites, every second one shifted by half a spacing, stretched to
+/// fill the box; number of rows, p and orientation chosen for the largest radius, min(a_x, √(a_x²/4 + a_y²), 2 a_y)/2.
 /// 841 disks in a hard square box reach π/4 and 0.8654. Sites left over are spread evenly.
 /// Cost: O(√count); a site O(1).
 struct LatticeFit {

@@ -84,17 +84,18 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(AgentSums<Model> const&) const;   where its results mislead, of a start
 ///
-/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n>
-/// events`, the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(),
-/// and the run measures collision rates and pressures.
+/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`,
+/// the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(), and
+/// the run measures collision rates and pressures.
 ///
-/// cutoff() and time_step() may take the World, which they are asked for in every step, or the AgentSums, when a run begins or continues.
-/// Contract of the latter: the answers stay the same during a run (not checked).
-/// First agents that depend on one another `void start(World<Model>&) const` puts into the box in the place of
-/// first_agent(); agents_at_start() is then for the estimate of the memory. So that each of several processes makes some of them,
+/// cutoff() and time_step() may take the World, which they are asked for in every step, or the AgentSums, when a run
+/// begins or continues.
+/// Contract of the latter: the answers stay the same during a run (not checked). First agents that depend on one
+/// another `void start(World<Model>&) const` puts into the box in the place of first_agent(); agents_at_start() is then
+/// for the estimate of the memory. So that each of several processes makes some of them,
 /// `void start(World<Model>&, ShareOfRows const&) const` adds an agent for each row of the share, in the order of the rows, of
-/// agents_at_start() in all; its Id will be the row. What the share adds up over all rows, all processes ask for; so what keeps one from
-/// it has to keep all, as an Error for settings does. What is observed and is no sum over agents,
+/// agents_at_start() in all; its Id will be the row. What the share adds up over all rows, all processes ask for; so
+/// what keeps one from it has to keep all, as an Error for settings does. What is observed and is no sum over agents,
 /// `void observe(World<Model> const&, Observations&) const` finds in the world; notes() may take it too. Several processes divide the
 /// agents of a model that asks none of them for the World, so that none has all; others run in one process.
 ///

@@ -22,10 +22,10 @@ namespace gridlock {
 
 /// The mutable world of a model of events: every birth, death and move takes effect at once.
 ///
-/// Cost of each: O(1); among a million agents at random places about 330 ns for a birth and a death, two waits for memory
-/// one after the other, or 90 ns where they are known beforehand.
-/// Errors: RunFailure, in every build, for an Id that is not alive, a birth or move to a point outside the box, a search
-/// beyond the model's cutoff, and an event that is not declared.
+/// Cost of each: O(1); among a million agents at random places about 330 ns for a birth and a death, two waits for
+/// memory one after the other, or 90 ns where they are known beforehand.
+/// Errors: RunFailure, in every build, for an Id that is not alive, a birth or move to a point outside the box, a
+/// search beyond the model's cutoff, and an event that is not declared.
 ///
 /// ```cpp
 /// struct Pairs {
@@ -88,8 +88,8 @@ class MutableWorld {
     if (row != last) grid_.rename(last, row);
     world_.agents.remove(id);
   }
-  /// Many deaths, or many births, that are known beforehand: the same as one after the other, several times faster, since
-  /// nobody waits for the memory of the one before.
+  /// Many deaths, or many births, that are known beforehand: the same as one after the other, several times faster,
+  /// since nobody waits for the memory of the one before.
   void remove_all(std::span<Id const> ids) {
     carry_out_with_look_ahead(
         ids.size(), [&](std::size_t k) { world_.agents.prefetch(ids[k]); },

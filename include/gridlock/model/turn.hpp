@@ -103,17 +103,18 @@ struct Neighbourhood {
   RowBlock block;
   /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
   bool is_confined = false;
-  /// Tiled, of a late turn on ranks: gets what other ranks have in the cells around a point, so many columns and rows to each side.
+  /// Tiled, of a late turn on ranks: gets what other ranks have in the cells around a point, so many columns and rows
+  /// to each side.
   std::function<void(Vector p, int columns, int rows)> const* get_cells = nullptr;
 };
 
 /// What an agent can do when it is its turn.
 ///
 /// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
-/// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths: these
-/// come at the end of the step, in an order that the state alone decides.
-/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff, a move of a local
-/// agent of a tiled model beyond the cells next to its own, and an event that is not declared.
+/// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths:
+/// these come at the end of the step, in an order that the state alone decides.
+/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff, a move of
+/// a local agent of a tiled model beyond the cells next to its own, and an event that is not declared.
 template <class Model>
 class Turn {
  public:
@@ -173,8 +174,8 @@ class Turn {
     if (!(cutoff >= 0.0 && cutoff <= around_.cutoff)) throw_far(p, cutoff);
     visit_near(p, cutoff, visit);
   }
-  /// The same around another point: in a synchronous model one from which the neighbours within `cutoff` are also within
-  /// the model's cutoff of the agent.
+  /// The same around another point: in a synchronous model one from which the neighbours within `cutoff` are also
+  /// within the model's cutoff of the agent.
   template <class Visit>
   void for_each_neighbour(Vector p, double cutoff, Visit visit) const {
     if (!(cutoff >= 0.0 && cutoff <= around_.cutoff && is_searchable(p, cutoff))) throw_far(p, cutoff);

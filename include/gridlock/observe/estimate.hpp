@@ -27,7 +27,7 @@ struct Estimate {
   std::optional<double> error;
 };
 
-/// What one block of samples amounts to: Σ w v and Σ w over its samples of value v and weight w.
+/// One block of samples: Σ w v and Σ w over its samples of value v and weight w.
 struct Block {
   double sum = 0.0;
   double weight = 0.0;
@@ -52,7 +52,7 @@ void serialize(Archive& archive, std::string_view name, std::span<Block> blocks)
 /// Source: W. G. Cochran, Sampling Techniques (1977), chapter 6, the ratio estimate.
 std::optional<Estimate> estimate_from(std::span<Block const> blocks);
 
-/// What several runs have measured together.
+/// The mean over several runs.
 struct CombinedEstimate {
   Estimate mean;                           ///< each run alike; its error is the larger one of the next two
   std::optional<double> error_by_scatter;  ///< from the differences between the runs; absent for one run
@@ -64,12 +64,13 @@ struct CombinedEstimate {
 ///
 ///     error_by_scatter = √(Σ (v − mean)² / (n (n − 1))),   error_by_runs = √(Σ e²) / n
 ///
-/// The scatter of few runs is a poor estimate: that of two is less than half of the true error in 38 % of all cases (|z| < 1/2). The
-/// errors of the runs know nothing of what changes more slowly than their blocks, or from start to start. Where both are right, the
-/// larger one is too large by 17 % on average for two runs, and by less for more (E max(|z|, 1) = 1.17). A χ² far above n − 1 says
-/// that the runs differ by more than their errors. Runs are not weighted by their errors, which are estimates: those too small by
-/// chance would count most. A single run keeps its own error.
-/// Contract: at least one run (asserted). Source of the errors of runs: Flyvbjerg & Petersen (1989), doi:10.1063/1.457480.
+/// The scatter of few runs is a poor estimate: that of two is less than half of the true error in 38 % of all cases
+/// (|z| < 1/2). The errors of the runs know nothing of what changes more slowly than their blocks, or from start to
+/// start. Where both are right, the larger one is too large by 17 % on average for two runs, and by less for more (E
+/// max(|z|, 1) = 1.17). A χ² far above n − 1 says that the runs differ by more than their errors. Runs are not weighted
+/// by their errors, which are estimates: those too small by chance would count most. A single run keeps its own error.
+/// Contract: at least one run (asserted). Source of the errors of runs: Flyvbjerg & Petersen (1989),
+/// doi:10.1063/1.457480.
 ///
 /// ```cpp
 /// std::vector<Estimate> const runs{{.value = 1.0, .error = 0.1}, {.value = 1.4, .error = 0.1}};

@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What is measured along a run: the interface, its settings and the shipped observables.
+/// Observables measure a run: the interface, its settings and the shipped ones.
 ///
 /// ```cpp
 /// State state{.box = Box(1.0, 1.0, Edge::wall)};
@@ -35,7 +35,7 @@
 
 namespace gridlock {
 
-/// What a world must have for an observable to be defined.
+/// An observable is defined in a world that has all of this.
 struct Requirements {
   std::vector<std::string_view> columns;
   bool collisions = false;  ///< Counters are kept: pair collisions, wall hits, impulses
@@ -69,10 +69,10 @@ inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Something measured along a run: a few numbers at every sample, and their averages at the end.
 ///
-/// The run calls begin() once, then sample() at every sampled time in order (the start may be one), then
-/// results() and distributions(). The state may be reordered between samples; Ids keep their meaning.
-/// Where several processes share the run, each has the same observables and calls them together: what is measured of all agents
-/// is written with the functions of Snapshot, and no observable can tell one process from many.
+/// The run calls begin() once, then sample() at every sampled time in order (the start may be one), then results() and
+/// distributions(). The state may be reordered between samples; Ids keep their meaning. Where several processes share
+/// the run, each has the same observables and calls them together: what is measured of all agents is written with the
+/// functions of Snapshot, and no observable can tell one process from many.
 class Observable {
  public:
   Observable() = default;
@@ -80,7 +80,8 @@ class Observable {
   Observable& operator=(Observable const&) = delete;
   virtual ~Observable() = default;
 
-  /// What it needs in such a box. A simulation measures what its world has all of.
+  /// The columns and counters that it needs in such a box. A simulation has the observables whose needs its world
+  /// meets.
   [[nodiscard]] virtual Requirements requirements(Box const& box) const = 0;
 
   /// The columns this observable fills in each row; the same from begin() on.
@@ -102,8 +103,8 @@ class Observable {
   /// The measured curves, averaged over what counted; those without a sample are left out.
   [[nodiscard]] virtual std::vector<Distribution> distributions() const { return {}; }
 
-  /// Serializes what was gathered since begin(); restored after a begin() at the same start, it measures on as if it had
-  /// never stopped.
+  /// Serializes what was gathered since begin(); restored after a begin() at the same start, it measures on as if it
+  /// had never stopped.
   virtual void serialize(Archive& archive) = 0;
 
   /// Values attached to agents go to the processes that have the agents now, see Attached.
@@ -123,7 +124,7 @@ struct ObserveSettings {
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
-/// What the engine of a world does, as far as observables depend on it.
+/// The properties of an engine on which observables depend.
 struct DynamicsTraits {
   bool keeps_counters = true;  ///< see Requirements::collisions
   bool halts_moves = true;     ///< agents move in turns, which end where they would overlap
@@ -133,7 +134,8 @@ struct DynamicsTraits {
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
 /// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only.
-/// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are due.
+/// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
+/// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics = {});
 

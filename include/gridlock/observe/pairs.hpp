@@ -28,8 +28,8 @@
 
 namespace gridlock {
 
-/// The points of a part of the box, and those around it as far as a cutoff: each agent is an own one of one process, which has all of its
-/// neighbours too. A process that is alone has all agents, in the order of their rows.
+/// The points of a part of the box, and those around it as far as a cutoff: each agent is an own one of one process,
+/// which has all of its neighbours too. A process that is alone has all agents, in the order of their rows.
 /// Contract: as for Snapshot::pairs(). All processes make theirs together.
 class LocalPoints {
  public:
@@ -46,7 +46,8 @@ class LocalPoints {
   [[nodiscard]] std::size_t own() const { return own_; }
   [[nodiscard]] std::size_t size() const { return points_.x.size(); }
 
-  /// Calls visit(i, j, separation) once for every pair with an own point, and for some pairs without, separation = r_j − r_i.
+  /// Calls visit(i, j, separation) once for every pair with an own point, and for some pairs without, separation = r_j
+  /// − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
     gridlock::for_each_pair(points_, *grid_, cutoff_, std::move(visit));

@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What an observable sees of a world, and the sums over all of its agents.
+/// An observable sees a world through a snapshot, which has the sums over all of its agents.
 ///
 /// ```cpp
 /// State state{.box = Box(2.0, 1.0, Edge::wall)};
@@ -52,15 +52,17 @@ struct NearPair {
   std::size_t i;      ///< place of the first; in one process its row
   std::size_t j;      ///< place of the second
   Vector separation;  ///< r_j − r_i, around a periodic box
-  /// How many of the two belong to this process: the sum of it over the pairs of all processes is twice the number of pairs.
+  /// How many of the two belong to this process: the sum of it over the pairs of all processes is twice the number of
+  /// pairs.
   std::uint32_t own;
 };
 
 /// A world of any model at one time: the agents, and what has happened since the start of the run.
 ///
-/// A run that several processes share has a snapshot in each, with some of the agents: `agents` are those of this process, and the functions
-/// below speak of all. Each process calls them, in the same order, and gets the same bits; the bits are those of one process.
-/// An observable that is written with them measures the same on any number of processes.
+/// A run that several processes share has a snapshot in each, with some of the agents: `agents` are those of this
+/// process, and the functions below speak of all. Each process calls them, in the same order, and gets the same bits;
+/// the bits are those of one process. An observable that is written with them measures the same on any number of
+/// processes.
 struct Snapshot {
   template <class Model>
   Snapshot(World<Model> const& world, Counters const& what_happened)
@@ -78,8 +80,8 @@ struct Snapshot {
   /// The number of agents.
   [[nodiscard]] std::size_t count() const { return count_; }
 
-  /// Σ_i term_of(i) over all agents, where i is a row of `agents`; term_of() returns a number, or an array of numbers that are added each for
-  /// itself. The sum is exact and rounded once, so it does not depend on the order of the rows.
+  /// Σ_i term_of(i) over all agents, where i is a row of `agents`; term_of() returns a number, or an array of numbers
+  /// that are added each for itself. The sum is exact and rounded once, so it does not depend on the order of the rows.
   /// Cost: about 1 ns a term.
   template <class TermOf>
   requires std::invocable<TermOf&, std::size_t>
@@ -110,8 +112,9 @@ struct Snapshot {
     return -min([&](std::size_t i) { return -static_cast<double>(value_of(i)); });
   }
 
-  /// Calls visit(NearPair) for every pair of agents nearer than the cutoff, some of which are of this process; see gridlock/observe/pairs.hpp, which
-  /// defines it. Contract: the agents have x and y; in a periodic box the cutoff is at most half the shorter side.
+  /// Calls visit(NearPair) for every pair of agents nearer than the cutoff, some of which are of this process; see
+  /// gridlock/observe/pairs.hpp, which defines it. Contract: the agents have x and y; in a periodic box the cutoff is
+  /// at most half the shorter side.
   /// Cost: O(N) for a cutoff of a few diameters.
   template <class Visit>
   void pairs(double cutoff, Visit visit) const;

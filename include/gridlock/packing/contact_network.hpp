@@ -29,17 +29,17 @@ struct StressTensor {
 
 /// A minimum has no root mean square of the net forces above this share of the mean contact force.
 inline constexpr double usual_largest_residual = 1e-8;
-/// What is softer than this energy of a disk, in ε, does not overlap; where Minimizer ends its search.
+/// Energy of a disk, in ε, below which it does not overlap; there Minimizer ends its search.
 inline constexpr double least_energy_of_a_disk = 1e-16;
-/// A minimum at that pressure has no mode with an eigenvalue below this, in ε/D². The way down from a saddle curves by some multiple of the
-/// pressure, −4p for a square lattice; what is above this bound may be rounding.
+/// A minimum at that pressure has no mode with an eigenvalue below this, in ε/D². The way down from a saddle curves by
+/// some multiple of the pressure, −4p for a square lattice; what is above this bound may be rounding.
 constexpr double min_eigenvalue_of_a_minimum(double pressure) { return -(0.1 * pressure + 1e-14); }
 
 /// The contacts of a packing.
 ///
-/// A *rattler* has fewer than three contacts with disks of the backbone or with walls; such disks are taken away again and again until
-/// none is left, and the rest is the *backbone*: N₀ disks with N_c contacts among themselves and with walls. Energies are in ε, lengths
-/// in those of the box, pressure and stress in ε/D² with the smallest diameter D.
+/// A *rattler* has fewer than three contacts with disks of the backbone or with walls; such disks are taken away again
+/// and again until none is left, and the rest is the *backbone*: N₀ disks with N_c contacts among themselves and with
+/// walls. Energies are in ε, lengths in those of the box, pressure and stress in ε/D² with the smallest diameter D.
 struct ContactNetwork {
   Potential potential = Potential::harmonic;
   bool is_periodic = true;
@@ -69,27 +69,32 @@ struct ContactNetwork {
   [[nodiscard]] double contact_number() const;
   /// Contacts of the backbone that a disk has on average over all disks, rattlers too; no number for no disks.
   [[nodiscard]] double mean_coordination() const;
-  /// N_c − [2 (N₀ − 1) + 1] in a periodic box, N_c − (2 N₀ + 1) between walls: 0 for one state of self-stress. 0 without a backbone.
+  /// N_c − [2 (N₀ − 1) + 1] in a periodic box, N_c − (2 N₀ + 1) between walls: 0 for one state of self-stress. 0
+  /// without a backbone.
   [[nodiscard]] std::int64_t excess_contacts() const;
   /// The contacts of the backbone.
   [[nodiscard]] std::vector<Contact> backbone() const;
 
-  /// Whether all forces balance as far as rounding allows: a minimum of the energy, or a saddle. So it is where the root mean square of the
-  /// net forces, which is what most programs bound, is at most this share of the mean contact force, and no net force is above 100 times it.
+  /// Whether all forces balance as far as rounding allows: a minimum of the energy, or a saddle. So it is where the
+  /// root mean square of the net forces, which is what most programs bound, is at most this share of the mean contact
+  /// force, and no net force is above 100 times it.
   [[nodiscard]] bool is_converged(double largest_residual = usual_largest_residual) const;
   /// Pressure above 0 and forces that balance, on a backbone that has as many contacts as it needs, and no way down.
   ///
-  /// The softest mode is the eigenvalue of find_softest_mode(): below min_eigenvalue_of_a_minimum() the packing is a saddle. Nothing
-  /// where it is not given and all else holds: then nobody knows. Nothing with a tolerance above 0 either, for such contacts need carry no force.
+  /// The softest mode is the eigenvalue of find_softest_mode(): below min_eigenvalue_of_a_minimum() the packing is a
+  /// saddle. Nothing where it is not given and all else holds: then nobody knows. Nothing with a tolerance above 0
+  /// either, for such contacts need carry no force.
   [[nodiscard]] std::optional<bool> is_jammed(double largest_residual, std::optional<double> softest_mode) const;
 };
 
 /// The contacts of a packing, its backbone, and what they add up to.
 ///
-/// With a tolerance above 0 all pairs with r < σ (1 + tolerance) are contacts, as for hard disks, which have no overlaps: all count for
-/// the backbone, and only those that overlap carry a force. Energy, pressure and residual are of these, numbers of contacts of all.
-/// The result is the same for disks in another order, but for the rounding of sums.
-/// Errors: those of find_contacts(), and Error for a tolerance that is not from 0 to 1 and for overlaps δ above ½. Cost: that of find_contacts().
+/// With a tolerance above 0 all pairs with r < σ (1 + tolerance) are contacts, as for hard disks, which have no
+/// overlaps: all count for the backbone, and only those that overlap carry a force. Energy, pressure and residual are
+/// of these, numbers of contacts of all. The result is the same for disks in another order, but for the rounding of
+/// sums.
+/// Errors: those of find_contacts(), and Error for a tolerance that is not from 0 to 1 and for overlaps δ above ½.
+/// Cost: that of find_contacts().
 /// Source: C. S. O'Hern, L. E. Silbert, A. J. Liu, S. R. Nagel (2003), doi:10.1103/PhysRevE.68.011306; the excess:
 /// C. P. Goodrich, A. J. Liu, S. R. Nagel (2012), doi:10.1103/PhysRevLett.109.095704.
 ContactNetwork find_contact_network(Packing const& packing, Potential potential, double tolerance = 0.0);

@@ -19,8 +19,9 @@
 
 namespace gridlock {
 
-/// The elastic tensor of a minimum in units of ε/D², D the smallest diameter: the energy per area of a box whose sides are strained by a
-/// symmetric e is that without strain + σ_ab e_ab + ½ C_abcd e_ab e_cd, after all disks have found their new places.
+/// The elastic tensor of a minimum in units of ε/D², D the smallest diameter: the energy per area of a box whose sides
+/// are strained by a symmetric e is that without strain + σ_ab e_ab + ½ C_abcd e_ab e_cd, after all disks have found
+/// their new places.
 ///
 /// Between walls a box has no angle to change: xyxy, xxxy and yyxy are no numbers.
 struct ElasticModuli {
@@ -47,16 +48,18 @@ struct ElasticModuli {
 
 /// The elastic moduli of the backbone, with the motions of the disks in a strained box: H u = −Ξ, C = Born − Ξ H⁻¹ Ξ.
 ///
-/// H is the Hessian of the backbone, of which one disk is held in a periodic box, and Ξ the force that a strain puts on the disks.
-/// None without a backbone, with a tolerance above 0, and where H has a direction without a cost: no minimum, or one with loose parts.
+/// H is the Hessian of the backbone, of which one disk is held in a periodic box, and Ξ the force that a strain puts on
+/// the disks. None without a backbone, with a tolerance above 0, and where H has a direction without a cost: no
+/// minimum, or one with loose parts.
 /// Contract: `network` is that of the packing. The moduli mean something only where is_converged().
-/// Cost: one sparse Cholesky factorization, about 5 ms for 1,000 disks. Source: A. Lemaître, C. Maloney (2006), doi:10.1007/s10955-005-9015-5.
+/// Cost: one sparse Cholesky factorization, about 5 ms for 1,000 disks. Source: A. Lemaître, C. Maloney (2006),
+/// doi:10.1007/s10955-005-9015-5.
 std::optional<ElasticModuli> find_elastic_moduli(Packing const& packing, ContactNetwork const& network);
 
 /// How the disks of a minimum move as all radii grow: du/d ln R, a displacement for each disk; 0 for rattlers.
 ///
-/// H u = ∂F/∂ln R, with the Hessian H of the backbone, of which one disk is held in a periodic box, and the force F on the disks.
-/// None where find_elastic_moduli() has none. Cost: that of find_elastic_moduli().
+/// H u = ∂F/∂ln R, with the Hessian H of the backbone, of which one disk is held in a periodic box, and the force F on
+/// the disks. None where find_elastic_moduli() has none. Cost: that of find_elastic_moduli().
 std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& network);
 
 /// A vibration of the backbone.

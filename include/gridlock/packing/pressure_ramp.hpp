@@ -29,11 +29,12 @@
 
 namespace gridlock {
 
-/// Packing fractions of soft disks: below, disks are so far apart that they never meet; above, each overlaps all around it.
+/// Packing fractions of soft disks: below, disks are so far apart that they never meet; above, each overlaps all around
+/// it.
 inline constexpr double least_packing_fraction = 1e-6;
 inline constexpr double most_packing_fraction = 4.0;
-/// The largest packing fraction that a stage takes: at 1.6 a quarter of 36 quenches of 64 disks of one or two sizes end with
-/// overlaps above ½, which are no packing; at 1.5 none does.
+/// The largest packing fraction that a stage takes: at 1.6 a quarter of 36 quenches of 64 disks of one or two sizes end
+/// with overlaps above ½, which are no packing; at 1.5 none does.
 inline constexpr double max_packing_fraction_of_stages = 1.5;
 
 /// How a packing is brought to a pressure.
@@ -90,12 +91,13 @@ char const* to_text(RampStatus status);
 
 /// Changes all radii alike, step by step, each followed by a minimization, until the pressure is the one asked for.
 ///
-/// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. With every step the disks of a minimum
-/// move as find_growth_response() says, so that all its forces change alike and few contacts open or close. Where a step leads to disks
-/// that do not press, or below 0.3 of the pressure it was made for, the state before it is taken up again and half the step is tried;
-/// a pressure up to 1.1 of it counts as that level. The last pressure is reached within 1 %, by further secants from either side; where
-/// disks rearrange at once, 20 of them may not be enough, and the ramp has missed it. On the way up from disks that do not press, the
-/// first step makes three of four contacts touch that a jammed packing has, each further one is twice as long, and none is longer than
+/// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. With every step
+/// the disks of a minimum move as find_growth_response() says, so that all its forces change alike and few contacts
+/// open or close. Where a step leads to disks that do not press, or below 0.3 of the pressure it was made for, the
+/// state before it is taken up again and half the step is tried; a pressure up to 1.1 of it counts as that level. The
+/// last pressure is reached within 1 %, by further secants from either side; where disks rearrange at once, 20 of them
+/// may not be enough, and the ramp has missed it. On the way up from disks that do not press, the first step makes
+/// three of four contacts touch that a jammed packing has, each further one is twice as long, and none is longer than
 /// `step`; where they lead to too high a pressure, the ramp comes down again to a third of it and a third of that. A packing fraction is reached in steps of `step`, each a level. The last level is the packing at the end, however it ended.
 /// Errors: Error for settings out of range and a packing that Minimizer refuses.
 /// Cost: some five minimizations a level, most of them by Newton's method, and find_elastic_moduli().

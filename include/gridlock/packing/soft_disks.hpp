@@ -75,11 +75,12 @@ double energy_of(std::span<Contact const> contacts, Potential potential);
 /// The force on every disk.
 std::vector<Vector> forces_of(std::span<Contact const> contacts, Potential potential, std::size_t disks);
 
-/// P = Σ f r / (2 A) over all contacts, in ε per area. At walls, which do not overlap each other, the distance is r too.
+/// P = Σ f r / (2 A) over all contacts, in ε per area. At walls, which do not overlap each other, the distance is r
+/// too.
 double pressure_of(std::span<Contact const> contacts, Potential potential, Box const& box);
 
-/// Throws Error for a packing whose arrays differ in length, hold numbers that are not finite or radii that are not positive,
-/// and for centres outside walls.
+/// Throws Error for a packing whose arrays differ in length, hold numbers that are not finite or radii that are not
+/// positive, and for centres outside walls.
 void require_valid(Packing const& packing);
 
 }  // namespace gridlock

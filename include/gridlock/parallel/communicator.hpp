@@ -25,8 +25,8 @@ struct Traffic {
   double seconds_waiting = 0.0;
 };
 
-/// The processes that share one run, its ranks. Every function is called from one thread of each; messages from one rank to
-/// another arrive in the order in which they were sent.
+/// The processes that share one run, its ranks. Every function is called from one thread of each; messages from one
+/// rank to another arrive in the order in which they were sent.
 class Communicator {
  public:
   /// The communicator of a process that shares its run with no other.
@@ -60,7 +60,8 @@ class Communicator {
   /// Ends all ranks: this one cannot go on, and others wait for it.
   [[noreturn]] virtual void abandon(std::string const& why) = 0;
 
-  /// The traffic of each rank, as the root knows it from the end of the last steps that they took together; none of a process that is alone.
+  /// The traffic of each rank, as the root knows it from the end of the last steps that they took together; none of a
+  /// process that is alone.
   [[nodiscard]] std::vector<Traffic> const& traffic_of_ranks() const { return traffic_of_ranks_; }
   void note_traffic(std::size_t rank, Traffic const& traffic) {
     if (traffic_of_ranks_.size() <= rank) traffic_of_ranks_.resize(rank + 1);

@@ -32,8 +32,8 @@ class ShareOfRows {
   [[nodiscard]] std::uint64_t size() const { return division_.rows_of(rank()); }
   [[nodiscard]] std::uint64_t all() const { return division_.rows(); }
 
-  /// Sums over all rows, added up row after row, so that they have the same bits in any number of processes: add(sums) adds those of the
-  /// share. All processes call it.
+  /// Sums over all rows, added up row after row, so that they have the same bits in any number of processes: add(sums)
+  /// adds those of the share. All processes call it.
   template <class Sums, class Add>
   [[nodiscard]] Sums add_in_order(Sums sums, Add add) const {
     return processes_.change_in_order(std::move(sums), std::move(add));

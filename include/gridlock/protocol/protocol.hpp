@@ -37,7 +37,7 @@ struct ProtocolSettings {
   std::uint64_t threads = 1;  ///< of soft disks; 0: all cores
 };
 
-/// What swap Monte Carlo says of itself, see SwapReport and SwapCorrelation.
+/// The results of swap Monte Carlo, see SwapReport and SwapCorrelation.
 struct SwapResult {
   std::optional<double> displacement_acceptance = {};
   std::optional<double> swap_acceptance = {};
@@ -50,11 +50,11 @@ struct SwapResult {
   std::vector<double> bond_orientation = {};
 };
 
-/// What came out of a stage.
+/// The results of a stage.
 struct StageResult {
   StageKind kind = StageKind::quench;
   double packing_fraction = 0.0;
-  /// Of hard disks βP/ρ, of soft disks P D²/ε; none where it was not measured.
+  /// βP/ρ for hard disks, P D²/ε for soft disks; none where it was not measured.
   std::optional<double> pressure = {};
   /// Soft disks: whether forces balance, or no disks press on each other.
   std::optional<bool> is_converged = {};
@@ -77,8 +77,9 @@ struct StageResult {
 /// Carries out stages, one after the other.
 ///
 /// The clock of the state stays as it is while soft disks move downhill, and passes while hard disks fly.
-/// Errors: Error for stages that require_valid() refuses, and a start that the first of them cannot begin with; RunFailure where a later
-/// stage cannot begin, a minimization gives up, or a pressure or packing fraction cannot be reached.
+/// Errors: Error for stages that require_valid() refuses, and a start that the first of them cannot begin with;
+/// RunFailure where a later stage cannot begin, a minimization gives up, or a pressure or packing fraction cannot be
+/// reached.
 class Protocol {
  public:
   Protocol(ProtocolSettings settings, State const& start);
@@ -94,7 +95,7 @@ class Protocol {
   [[nodiscard]] std::string name_of_stage() const;
   /// Iterations, events and trial moves done in all stages.
   [[nodiscard]] std::uint64_t work() const;
-  /// Of the stages that have ended.
+  /// The results of the stages that have ended.
   [[nodiscard]] std::vector<StageResult> const& results() const { return results_; }
 
   /// The state is serialized by its owner, before.

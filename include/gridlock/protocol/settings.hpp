@@ -19,7 +19,7 @@
 
 namespace gridlock {
 
-/// What a stage does to the disks.
+/// The kinds of stage: each does one thing to the disks.
 enum class StageKind { grow, run, quench, compress, decompress, separate, swap };
 
 /// One stage, `[[protocol]]`. A kind of stage takes the settings at which it is named.
@@ -51,8 +51,9 @@ std::string_view name_of(StageKind kind);
 /// Whether disks may overlap when such a stage has ended.
 bool leaves_overlaps(StageKind kind);
 
-/// Throws Error, with the place of each, for stages that have settings of others, lack one that they need, start from what the stage
-/// before cannot leave, or end at a packing fraction on the other side of the one at which they are known to begin.
+/// Throws Error, with the place of each, for stages that have settings of others, lack one that they need, start from
+/// what the stage before cannot leave, or end at a packing fraction on the other side of the one at which they are
+/// known to begin.
 ///
 /// The packing fraction is that of the start, where it is known.
 void require_valid(std::vector<StageSettings> const& stages, std::optional<double> packing_fraction = {});

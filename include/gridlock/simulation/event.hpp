@@ -20,7 +20,7 @@ namespace gridlock {
 /// How much an event matters: `info` to those who read run.log, `note` and `warning` to everybody.
 enum class Severity { info, note, warning };
 
-/// What an event is about.
+/// The subject of an event.
 enum class EventKind {
   // A set-up that can be run all the same.
   unused_setting,       ///< a setting was given on which nothing of the run depends
@@ -83,9 +83,9 @@ std::string_view to_text(Severity severity);
 /// An event in words, without its severity.
 std::string to_text(Event const& event);
 
-/// What to tell of the events of several set-ups. Unused settings are told of where they are unused in every run and one run
-/// gives another value than the default: a sweep over engines sets what only some of them need. Of other events it is told
-/// in how many runs they hold.
+/// What to tell of the events of several set-ups. Unused settings are told of where they are unused in every run and
+/// one run gives another value than the default: a sweep over engines sets what only some of them need. Of other events
+/// it is told in how many runs they hold.
 std::vector<std::string> texts_of(std::vector<std::vector<Event>> const& runs);
 
 }  // namespace gridlock

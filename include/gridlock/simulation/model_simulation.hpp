@@ -34,8 +34,8 @@
 
 namespace gridlock {
 
-/// What a model says of its own world, as an observable like any other: the number of agents, how often each event has
-/// happened since the start, and what Model::observe() adds; averages of all but the events.
+/// The observations of a model on its own world, as an observable like any other: the number of agents, how often each
+/// event has happened since the start, and what Model::observe() adds; averages of all but the events.
 template <class Model>
 class ModelObservations final : public AveragingObservable {
  public:

@@ -76,10 +76,11 @@ class AgentsKind : public ModelKind {
   AgentsKind() = default;
   AgentsKind(AgentsKind const&) = default;
 
-  /// Of the model itself.
+  /// The settings of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual bool can_be_divided_among_ranks() const { return false; }
-  /// Contract: can_be_divided_among_ranks(). All ranks call it. Appends to `notes` as make(). Errors: Error, on all ranks.
+  /// Contract: can_be_divided_among_ranks(). All ranks call it. Appends to `notes` as make(). Errors: Error, on all
+  /// ranks.
   [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> make_agents(Communicator& ranks, Box const& box,
                                                                   std::uint64_t seed, std::uint64_t threads,
                                                                   std::vector<std::string>& notes) const;
@@ -180,8 +181,9 @@ class ModelKindOf final : public AgentsKind {
 
 }  // namespace detail
 
-/// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the folder
-/// models/. To be called before there are other threads. Errors: Error where a model of that name is known already.
+/// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the
+/// folder models/. To be called before there are other threads. Errors: Error where a model of that name is known
+/// already.
 template <class Model>
 void register_model() {
   register_model(std::make_unique<detail::ModelKindOf<Model>>());

@@ -44,12 +44,13 @@ struct Progress {
 /// Called between two steps, and within a long one of exact; returning false ends the run there.
 using OnProgress = std::function<bool(Progress const&)>;
 
-/// Called between two steps, or within a long one of exact, with the whole simulation up to date, for example to save it.
+/// Called between two steps, or within a long one of exact, with the whole simulation up to date, for example to save
+/// it.
 struct Callback {
   std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
   std::function<void(std::uint64_t steps)> call;
-  /// Called once the run has reached its end, before the sample that may be due only there: what is saved here can go on
-  /// to a later end with the bits of a run that never ended.
+  /// Called once the run has reached its end, before the sample that may be due only there: what is saved here can go
+  /// on to a later end with the bits of a run that never ended.
   std::function<void(std::uint64_t steps)> call_at_end = {};
 };
 
@@ -96,7 +97,7 @@ struct RunPlan {
   double seconds_per_look = 0.1;
 };
 
-/// What a run of any simulation leaves behind.
+/// The record of a run of any simulation.
 struct RunRecord {
   RunStatus status = RunStatus::interrupted;
   std::string failure;  ///< why, for RunStatus::failed
@@ -135,8 +136,8 @@ class Run {
   /// called again after an interruption.
   RunStatus advance(OnProgress const& on_progress = {}, Callback const& callback = {});
 
-  /// The same, but stops at `step` of the clock at the latest, as an interruption does: no sample is taken there that the rest of
-  /// the run would not take.
+  /// The same, but stops at `step` of the clock at the latest, as an interruption does: no sample is taken there that
+  /// the rest of the run would not take.
   RunStatus advance_to(std::uint64_t step, OnProgress const& on_progress = {}, Callback const& callback = {});
 
   /// From now on samples up to `step` of the clock are left out of averages, in place of the share of the plan.
@@ -154,15 +155,15 @@ class Run {
   /// Steps from the start to the last step that writers were asked about; nothing before the first.
   [[nodiscard]] std::optional<std::uint64_t> last_stop() const;
 
-  /// After a run of another length was restored: chooses the share to leave out of averages so that the samples taken so
-  /// far count, or not, as they did, and every later one as in a run that had this share and length from its start.
+  /// After a run of another length was restored: chooses the share to leave out of averages so that the samples taken
+  /// so far count, or not, as they did, and every later one as in a run that had this share and length from its start.
   /// The share of the plan stays where it does so already. Returns the share.
   double fit_equilibration();
 
   [[nodiscard]] RunRecord record() const;
 
-  /// The quantities that the simulation has measured. Errors of averages that the series contradicts are left out, and notes say so
-  /// where they are given.
+  /// The quantities that the simulation has measured. Errors of averages that the series contradicts are left out, and
+  /// notes say so where they are given.
   [[nodiscard]] std::vector<NamedEstimate> results(std::vector<Event>* notes = nullptr) const;
 
   /// Serializes everything the rest of the run depends on, the simulation with it.

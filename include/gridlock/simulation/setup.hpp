@@ -29,7 +29,8 @@
 
 namespace gridlock {
 
-/// A run about to start: the simulation, and the configuration with every choice made, so that it gives the same bits again.
+/// A run about to start: the simulation, and the configuration with every choice made, so that it gives the same bits
+/// again.
 struct Setup {
   Configuration configuration;
   std::unique_ptr<Simulation> simulation;  ///< nothing where SetupOptions::on_slow_start has left the start out
@@ -44,10 +45,10 @@ using IsGiven = std::function<bool(std::string_view key)>;
 /// Is told how many seconds a random start will take, where that is long; says whether to make it.
 using OnSlowStart = std::function<bool(double seconds)>;
 
-/// What a set-up is made with besides its configuration.
+/// The options of a set-up besides its configuration.
 struct SetupOptions {
-  /// A slow start that is not to be made is left out, or replaced by a lattice of the same disks so that everything else
-  /// is checked, and noted. Empty: every start is made.
+  /// A slow start that is not to be made is left out, or replaced by a lattice of the same disks so that everything
+  /// else is checked, and noted. Empty: every start is made.
   OnSlowStart on_slow_start = {};
   std::optional<std::uint64_t> threads = {};  ///< in place of engine.threads, which stays what is recorded
   AllProcesses processes = {};                ///< those that share the run; this one alone, as a rule

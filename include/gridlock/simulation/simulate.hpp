@@ -18,7 +18,7 @@
 
 namespace gridlock {
 
-/// What a run of a model leaves behind.
+/// The result of a run of a model.
 template <class Model>
 struct RunResultOf : RunRecord {
   World<Model> world;
@@ -29,8 +29,8 @@ using RunResult = RunResultOf<HardDisks>;
 /// Runs a set-up to its end, sampling every observe.every steps and at the end.
 ///
 /// The bits of world and series do not depend on how often progress is reported.
-/// Errors: Error for a set-up of another model; none for a run that breaks, which ends as RunStatus::failed with its partial
-/// results.
+/// Errors: Error for a set-up of another model; none for a run that breaks, which ends as RunStatus::failed with its
+/// partial results.
 template <class Model = HardDisks>
 RunResultOf<Model> simulate(Setup setup, OnProgress const& on_progress = {}) {
   auto* const simulation = dynamic_cast<WorldSimulation<Model>*>(setup.simulation.get());

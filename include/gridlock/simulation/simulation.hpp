@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
+/// A run advances a simulation: agents of any kind, the rule that moves them and their observables.
 ///
 /// ```cpp
 /// auto const mean_x = [](Simulation& simulation) {
@@ -41,7 +41,7 @@ struct Preparation {
   std::size_t finished = 0;  ///< of these
 };
 
-/// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
+/// A run advances a simulation: agents of any kind, the rule that moves them and their observables.
 ///
 /// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
 class Simulation {
@@ -57,7 +57,7 @@ class Simulation {
   /// Errors: RunFailure where it cannot end.
   virtual bool prepare(std::function<bool()> const& /*should_continue*/) { return true; }
   [[nodiscard]] virtual Preparation preparation() const { return {}; }
-  /// What there is to say of how the preparation went.
+  /// Notes on how the preparation went.
   [[nodiscard]] virtual std::vector<Event> notes() const { return {}; }
 
   [[nodiscard]] virtual Clock clock() const = 0;
@@ -73,10 +73,11 @@ class Simulation {
   /// How often the engine has checked its world, by name, as a part of counts().
   [[nodiscard]] virtual std::vector<Count> audits() const { return {}; }
 
-  /// What StopCondition::pair_collisions counts; 0 for agents that do not collide.
+  /// The number that StopCondition::pair_collisions is compared with; 0 for agents that do not collide.
   [[nodiscard]] virtual std::uint64_t pair_collisions() const { return 0; }
 
-  /// The columns of the agents, to be changed between two calls of advance(); see AgentsView for how long they are valid.
+  /// The columns of the agents, to be changed between two calls of advance(); see AgentsView for how long they are
+  /// valid.
   [[nodiscard]] virtual std::vector<NamedColumn> columns_of_agents() = 0;
   /// Goes on with a copy of all columns and Ids, and returns the old memory for those who have arrays of it.
   [[nodiscard]] virtual std::shared_ptr<void> release_columns() = 0;

@@ -23,9 +23,9 @@ namespace gridlock {
 
 /// Makes sure a run may write into the directory, which is created where it is missing.
 ///
-/// Without `overwrites` nothing is replaced: neither results that are there already nor files of the user under the names
-/// that the run needs. With it both are, and no other file. The start file and the settings file are what the run is made
-/// from and stay in any case.
+/// Without `overwrites` nothing is replaced: neither results that are there already nor files of the user under the
+/// names that the run needs. With it both are, and no other file. The start file and the settings file are what the run
+/// is made from and stay in any case.
 /// Errors: Error under the key "-o".
 void open_run_directory(std::filesystem::path const& directory, Setup const& setup, bool overwrites,
                         std::filesystem::path const& settings_file = {});
@@ -44,8 +44,8 @@ class DirectoryLock {
   DirectoryLock(DirectoryLock const&) = delete;
   DirectoryLock& operator=(DirectoryLock const&) = delete;
 
-  /// Whether a process is at work in the directory, as far as the file system tells: one that keeps locks of each machine apart knows of
-  /// this one alone.
+  /// Whether a process is at work in the directory, as far as the file system tells: one that keeps locks of each
+  /// machine apart knows of this one alone.
   static bool is_held(std::filesystem::path const& directory);
 
  private:
@@ -76,11 +76,11 @@ struct RunHooks {
 ///     <distribution>.csv     speed_distribution, pair_correlation …
 ///     final.xyz              the last state
 ///
-/// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot be
-/// written is noted, and the run continues. Every file is written whole or not at all; summary.json comes last. Results
-/// that Gridlock has written there before are removed first.
-/// Errors: Error where another process works in the directory, and where a file that Gridlock has not written has a name that
-/// the run needs; RunFailure where results cannot be written.
+/// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot
+/// be written is noted, and the run continues. Every file is written whole or not at all; summary.json comes last.
+/// Results that Gridlock has written there before are removed first.
+/// Errors: Error where another process works in the directory, and where a file that Gridlock has not written has a
+/// name that the run needs; RunFailure where results cannot be written.
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks = {});
 
 /// Continues a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start
@@ -99,16 +99,16 @@ struct RunLength {
 
 /// Continues a run, finished or not, to another length, which takes the place of all lengths it had.
 ///
-/// It ends with the same bits as a run of the configuration that config.resolved.toml holds from then on: the old one with
-/// the new length. State, series and frames are those of a run that long. Averages continue to leave out the samples
-/// that they have left out so far: where the share observe.equilibration of the new length would be another number of
-/// them, observe.equilibration in config.resolved.toml becomes the share that fits. A lengthening that is killed at any
-/// time is continued by resume_in(), to the old length or the new one.
-/// Errors: those of resume_in(), except that the run may be finished; Error where a finished run kept no checkpoint, and
-/// for a length that the run has passed or that is below the one it has.
+/// It ends with the same bits as a run of the configuration that config.resolved.toml holds from then on: the old one
+/// with the new length. State, series and frames are those of a run that long. Averages continue to leave out the
+/// samples that they have left out so far: where the share observe.equilibration of the new length would be another
+/// number of them, observe.equilibration in config.resolved.toml becomes the share that fits. A lengthening that is
+/// killed at any time is continued by resume_in(), to the old length or the new one.
+/// Errors: those of resume_in(), except that the run may be finished; Error where a finished run kept no checkpoint,
+/// and for a length that the run has passed or that is below the one it has.
 RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks = {});
 
-/// What summary.json says of a run.
+/// The contents of summary.json of a run.
 struct RunSummary {
   RunStatus status = RunStatus::interrupted;
   std::string failure;

@@ -39,8 +39,8 @@ struct SweepPlan {
 };
 
 /// Expands the table `[sweep]` of a file.
-/// Errors: Error without such a table, where a list cannot be used, and for every value that its setting does not accept
-/// (unknown key, wrong type, out of bounds); whether the set-ups can exist is seen when they are made.
+/// Errors: Error without such a table, where a list cannot be used, and for every value that its setting does not
+/// accept (unknown key, wrong type, out of bounds); whether the set-ups can exist is seen when they are made.
 SweepPlan plan_sweep(SettingsFile file);
 
 /// How far a sweep has come.
@@ -73,7 +73,7 @@ struct SweepSettings {
   std::filesystem::path settings_file = {};  ///< the plan was made from; never replaced
 };
 
-/// What a sweep leaves behind, besides one run directory in runs/ for each run.
+/// The results of a sweep, besides one run directory in runs/ for each run.
 struct SweepResult {
   Table rows;  ///< sweep.csv: one row a run in the order of the plan: values, status, state_hash, every observable
   /// means.csv: averages over runs that differ in run.seed alone; errors from their scatter or, where that is larger,
@@ -88,17 +88,17 @@ struct SweepResult {
 /// Runs a plan on all cores, the longest runs first, and writes sweep.csv and means.csv; draw_results() draws them.
 ///
 /// In a directory that holds a sweep already, runs that are finished are kept and those that were interrupted resume:
-/// after values have been added to the lists, only the new runs are made. A shard writes no tables; collect_sweep() does.
-/// The results do not depend on the number of threads, of shards or of interruptions. A run that fails is recorded with
-/// its message and the rest continue.
-/// Errors: Error where not one run can be set up, where the directory cannot be used, is in use, or holds one of the runs
-/// with other settings, before anything is written; RunFailure where results cannot be written.
+/// after values have been added to the lists, only the new runs are made. A shard writes no tables; collect_sweep()
+/// does. The results do not depend on the number of threads, of shards or of interruptions. A run that fails is
+/// recorded with its message and the rest continue.
+/// Errors: Error where not one run can be set up, where the directory cannot be used, is in use, or holds one of the
+/// runs with other settings, before anything is written; RunFailure where results cannot be written.
 SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings);
 
 /// Makes one sweep of the directories its shards were run in, or of the one they shared: copies the runs into `into`
 /// where they are not there, the one that came farthest of each, and writes plan.json, sweep.csv and means.csv.
-/// Errors: Error for a directory without a sweep, for sweeps of different settings, where the directory is in use, and where
-/// a file that Gridlock has not written is in the way and `overwrites` does not say that it may be replaced.
+/// Errors: Error for a directory without a sweep, for sweeps of different settings, where the directory is in use, and
+/// where a file that Gridlock has not written is in the way and `overwrites` does not say that it may be replaced.
 SweepResult collect_sweep(std::vector<std::filesystem::path> const& directories, std::filesystem::path const& into,
                           bool overwrites = false);
 

@@ -70,8 +70,8 @@ void Dynamics::audit_overlaps() const {
   }
 }
 
-/// Up to the earlier of the two disks' own events nobody looks at a pair again, so until then it must not overlap. Where the
-/// disks grow, all look again at the end of the epoch.
+/// Up to the earlier of the two disks' own events nobody looks at a pair again, so until then it must not overlap.
+/// Where the disks grow, all look again at the end of the epoch.
 void Dynamics::audit_missed_events() const {
   double const last_image = box_.is_periodic() ? 1.0 : 0.0;
   double const last = is_growing() ? epoch_length_ : never;

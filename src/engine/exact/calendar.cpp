@@ -11,8 +11,8 @@ namespace {
 /// At most, and at least half as many; void ones are some of them.
 constexpr std::uint64_t per_bucket = 24;
 constexpr std::uint64_t most_buckets = std::uint64_t{1} << 30;
-/// Whether an event falls into the open group decides how it is kept. Next events of few disks nearly all do where groups are large, those of
-/// many disks nearly never where groups are small, and a processor guesses either right.
+/// Whether an event falls into the open group decides how it is kept. Next events of few disks nearly all do where
+/// groups are large, those of many disks nearly never where groups are small, and a processor guesses either right.
 constexpr std::uint64_t few_disks = 3000;
 constexpr std::uint32_t bits_of_large_group = 11;
 constexpr std::uint32_t bits_of_small_group = 6;
@@ -33,7 +33,7 @@ void Calendar::open(double length, std::uint64_t expected, std::uint64_t disks) 
   tails_.assign(buckets >> bucket_bits_, Tail{});
   bucket_heads_.assign(std::size_t{bucket_mask_} + 1, none);
   // Room for each disk's event and two void ones, so that it never grows: growing would need it twice for a short time.
-  // What is not used is not touched, and costs nothing.
+  // Memory that is not used is not touched, and costs nothing.
   chunks_.reserve(3 * disks / chunk_size + tails_.size());
   free_chunks_.clear();
   chunks_.clear();

@@ -17,8 +17,8 @@ struct ScheduledEvent {
   std::uint32_t next;  ///< place of the next event of the same bucket
 };
 
-/// Calendar queue (R. Brown, Commun. ACM 31, 1220, 1988): the events of one epoch [0, length), handed out in the order of
-/// (time, id index of the disk).
+/// Calendar queue (R. Brown, Commun. ACM 31, 1220, 1988): the events of one epoch [0, length), handed out in the order
+/// of (time, id index of the disk).
 ///
 ///     epoch   ├────────────┼────────────┼────────────┤   groups: unsorted, in chunks of memory
 ///     group                ├─┼─┼─┼─┼─┼─┼─┤               buckets of the open group: short lists

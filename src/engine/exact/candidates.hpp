@@ -1,6 +1,6 @@
 #pragma once
 
-// What every predictor but the reference shares: the candidates of a disk by name.
+// Shared by every predictor but the reference: the candidates of a disk by name.
 
 #include <algorithm>
 #include <bit>
@@ -10,10 +10,11 @@
 
 namespace gridlock::exact {
 
-/// Where cells have more slots, because disks are so much smaller than the largest, all candidates are collected one by one.
+/// Where cells have more slots, because disks are so much smaller than the largest, all candidates are collected one by
+/// one.
 inline constexpr std::size_t slots_per_cell = 4;
-/// Candidates are looked at so many at a time, whatever the registers: few disks have more, so that processors guess well how
-/// often a loop turns.
+/// Candidates are looked at so many at a time, whatever the registers: few disks have more, so that processors guess
+/// well how often a loop turns.
 inline constexpr std::size_t batch = 8;
 /// Those of nine full cells, rounded up.
 inline constexpr std::size_t most_candidates = 40;
@@ -24,8 +25,8 @@ struct Candidates {
   std::size_t count;
 };
 
-// A disk that has just collided with another is none of its candidates, by name: what was just written, number by number, would be read
-// as a whole, and processors wait for that.
+// A disk that has just collided with another is none of its candidates, by name: what was just written, number by
+// number, would be read as a whole, and processors wait for that.
 
 /// The first slot of the three rows of cells around a disk.
 inline Index const* first_slot_around(PredictionInput const& s, Index i) {
@@ -34,8 +35,8 @@ inline Index const* first_slot_around(PredictionInput const& s, Index i) {
          static_cast<std::size_t>(cell.column) * s.capacity;
 }
 
-/// The first of `best` and the contacts with all that i may meet but for `apart`, however many: earliest_of(candidates, best) looks at a part
-/// of them.
+/// The first of `best` and the contacts with all that i may meet but for `apart`, however many: earliest_of(candidates,
+/// best) looks at a part of them.
 template <class EarliestOf>
 Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Prediction best, EarliestOf earliest_of) {
   Candidates part;
@@ -65,8 +66,8 @@ Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Pred
   return best;
 }
 
-/// The first of `best` and the contacts with these disks that take place at the time `earliest`, in the lanes of `firsts`; ties go to the
-/// lower Id.
+/// The first of `best` and the contacts with these disks that take place at the time `earliest`, in the lanes of
+/// `firsts`; ties go to the lower Id.
 inline Prediction earlier_of(Prediction const& best, double earliest, unsigned firsts, Index const* names,
                              MovingDisk const* disks) {
   if (((firsts & (firsts - 1U)) != 0) | (earliest == best.time)) [[unlikely]] {

@@ -10,14 +10,14 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Wider cells have fewer borders to cross. Cells of less than √2 diameters hold no more than four equal disks, and while there are so few in nine of
-/// them, one batch has all candidates of nearly every disk.
+/// Wider cells have fewer borders to cross. Cells of less than √2 diameters hold no more than four equal disks, and
+/// while there are so few in nine of them, one batch has all candidates of nearly every disk.
 constexpr double side_of_wide_cells = 1.41;
 constexpr double most_candidates_in_wide_cells = 8.0;
 
 }  // namespace
 
-/// Of disks that have no lists. A cell must be as wide as the largest diameter at the end of the epoch.
+/// The cells of disks that have no lists. A cell must be as wide as the largest diameter at the end of the epoch.
 void Flight::make_room_in_cells(double time) {
   if (has_lists()) return;
   if (size_ == 0) {
@@ -55,8 +55,9 @@ void Flight::lay_cells(CellLayout const& layout, double time) {
   }
 }
 
-/// Cells for the places of disks with lists: where a large disk has many small neighbours, few cells hold them all, and a small disk looks for
-/// small ones in small cells. In each class the largest disk is at most twice as large as the smallest.
+/// Cells for the places of disks with lists: where a large disk has many small neighbours, few cells hold them all, and
+/// a small disk looks for small ones in small cells. In each class the largest disk is at most twice as large as the
+/// smallest.
 void Flight::lay_cells_by_size() {
   std::array<double, 64> largest{};
   auto const by_halves = [&](double radius) {
@@ -95,7 +96,8 @@ Cell Flight::cell_of(Index i, double time) const {
   return {grid.column_of(disk.x + disk.velocity_x * time), grid.row_of(disk.y + disk.velocity_y * time)};
 }
 
-/// Of two disks without lists that touch. Cells of disks that grow have just the room that they will need.
+/// Distance within which two disks without lists touch. Cells of disks that grow have just the room that they will
+/// need.
 double Flight::reach_in_cells() const {
   return is_growing() ? std::numeric_limits<double>::infinity() : 2.0 * largest_radius_;
 }
@@ -111,8 +113,8 @@ void Flight::move_to_cell(Index i, Cell const& cell, double time) {
   if (prediction_input_.slots != size_classes_.front().grid.slots()) refresh_prediction_input();
 }
 
-/// Disks that belong to the cell and have left it may be too many for its slots, which those that are in it never are where all disks
-/// are equal. Of each guest the next event was that of this cell, and is predicted anew.
+/// Disks that belong to the cell and have left it may be too many for its slots, which those that are in it never are
+/// where all disks are equal. Of each guest the next event was that of this cell, and is predicted anew.
 void Flight::send_guests_home(Cell const& cell, double time) {
   SlotGrid const& grid = size_classes_.front().grid;
   Index const* const slots = grid.slots_of(cell.column, cell.row);

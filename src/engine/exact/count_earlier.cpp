@@ -1,7 +1,7 @@
 #include "engine/exact/count_earlier.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
-// used; target() chooses which of the kernels is called. Registers of SVE have no size.
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
+// of Highway are used; target() chooses which of the kernels is called. Registers of SVE have no size.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/exact/count_earlier.cpp"

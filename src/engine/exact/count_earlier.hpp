@@ -10,8 +10,9 @@ namespace gridlock::exact {
 /// Times are compared so many at once, whatever the registers.
 inline constexpr std::size_t times_per_batch = 8;
 
-/// For each time how many of all are earlier, which is its place in their order where no two are the same. Nothing branches on
-/// a comparison: its outcome is a coin toss, and a processor that guesses wrong loses more than some comparisons too many.
+/// For each time how many of all are earlier, which is its place in their order where no two are the same. Nothing
+/// branches on a comparison: its outcome is a coin toss, and a processor that guesses wrong loses more than some
+/// comparisons too many.
 /// Contract: `batches` full batches, filled up with infinity.
 using CountEarlier = void (*)(double const* times, std::size_t batches, std::uint64_t* earlier);
 

@@ -15,16 +15,17 @@ namespace {
 /// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
 constexpr std::uint64_t epochs_per_sort = 8;
 
-/// Epochs become longer while disks are hit less often than the first, each on average, and shorter where they are hit more often
-/// than the second: predicting every event anew costs little, and the calendar stays small.
+/// Epochs become longer while disks are hit less often than the first, each on average, and shorter where they are hit
+/// more often than the second: predicting every event anew costs little, and the calendar stays small.
 constexpr std::uint64_t few_hits_in_epoch = 24;
 constexpr std::uint64_t many_hits_in_epoch = 64;
 /// Where disks come together so quickly that an epoch has more, it is cut.
 constexpr std::uint64_t most_hits_in_epoch = 1024;
 
-/// In one epoch a disk of the root mean square speed crosses no more than so many of the largest diameters or, in a dilute gas, of the
-/// mean distances between disks: paths are computed from the zero of time, and are rounded the more the longer they are. Fewer where some disks are
-/// more than four times as fast as others, because they are light, or are small and thus touch at a small distance.
+/// In one epoch a disk of the root mean square speed crosses no more than so many of the largest diameters or, in a
+/// dilute gas, of the mean distances between disks: paths are computed from the zero of time, and are rounded the more
+/// the longer they are. Fewer where some disks are more than four times as fast as others, because they are light, or
+/// are small and thus touch at a small distance.
 constexpr double most_diameters_in_epoch = 16.0;
 constexpr double most_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;

@@ -43,13 +43,14 @@ struct EndOfGrowth {
 /// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
 ///
 /// Times are counted from the state it was made of. Inside, they are counted from the start of an epoch, a power of two
-/// long in which a disk crosses a few cells, so that positions and event times keep their digits however long the run is.
-/// At the end of an epoch every disk's centre moves on to the new zero of time, and every event is predicted anew. Where disks
-/// collide so often that an epoch would hold too many events, it is cut. Epochs depend on nothing but the motion: the trajectory
-/// has the same bits with any cells and with lists of neighbours.
+/// long in which a disk crosses a few cells, so that positions and event times keep their digits however long the run
+/// is. At the end of an epoch every disk's centre moves on to the new zero of time, and every event is predicted anew.
+/// Where disks collide so often that an epoch would hold too many events, it is cut. Epochs depend on nothing but the
+/// motion: the trajectory has the same bits with any cells and with lists of neighbours.
 ///
 /// Disks may grow while they fly, all in proportion: radius · (1 + rate · t).
-/// Contract: a valid state; a periodic box wider and higher than two distances at contact, also when the disks have grown.
+/// Contract: a valid state; a periodic box wider and higher than two distances at contact, also when the disks have
+/// grown.
 class Dynamics final : public Flight {
  public:
   explicit Dynamics(State const& state, DynamicsOptions const& options = {});
@@ -99,8 +100,8 @@ class Dynamics final : public Flight {
   /// Whether waiting for a collision can make sense: at least two disks, and one of them moves.
   [[nodiscard]] bool can_collide() const { return size_ > 1 && epoch_length_ > 0.0; }
 
-  /// Writes positions at time `elapsed`, but not before the last event, velocities and images into the state it was made
-  /// of, and radii if they grow.
+  /// Writes positions at time `elapsed`, but not before the last event, velocities and images into the state it was
+  /// made of, and radii if they grow.
   void write(double elapsed, State& state) const {
     double const time = std::max(elapsed - epoch_start_, now_);
     write_at(time, growth_.scale.at(time), state);
@@ -126,8 +127,8 @@ class Dynamics final : public Flight {
   };
   [[nodiscard]] WindowCount const& windows() const { return windows_; }
 
-  /// Serializes the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
-  /// at the same time. Which memory a disk lies in is not serialized: the trajectory does not depend on it.
+  /// Serializes the disks as they fly and the events they wait for; restored into a dynamics of the state that was
+  /// written at the same time. Which memory a disk lies in is not serialized: the trajectory does not depend on it.
   void serialize(Archive& archive);
 
  private:
@@ -142,8 +143,8 @@ class Dynamics final : public Flight {
 
   void restore(Archive const& archive, SavedDisks const& saved);
 
-  /// Why a run ends: the time has come; there are collisions enough, or it is to end; the epoch is over; or the same is to
-  /// go on on another number of threads.
+  /// Why a run ends: the time has come; there are collisions enough, or it is to end; the epoch is over; or the same is
+  /// to go on on another number of threads.
   enum class End { time, early, epoch, sharing };
   template <bool grows, class TimeToStop, class HasEnough>
   End run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,

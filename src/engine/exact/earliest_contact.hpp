@@ -90,7 +90,8 @@ class EarliestContact {
   Prediction best_;
 };
 
-/// The first of `best` and the contacts with these disks, some of which part more slowly than they grow: rare, and looked at one by one.
+/// The first of `best` and the contacts with these disks, some of which part more slowly than they grow: rare, and
+/// looked at one by one.
 inline Prediction with_slow_ones(PredictionInput const& s, Index i, double now, Index const* names, std::size_t count,
                                  Prediction best) {
   EarliestContact earliest(s, i, now, no_disk, best);

@@ -89,7 +89,7 @@ class FetchPipeline {
     Cell const partner = s.cells[entry.partner];
     std::int32_t const columns_apart = partner.column - disk.column;
     std::int32_t const rows_apart = partner.row - disk.row;
-    // What lies across the edge of a periodic box comes when it is needed.
+    // Disks across the edge of a periodic box come when they are needed.
     std::int32_t const across = std::abs(columns_apart) > 1 ? 0 : columns_apart;
     std::int32_t const up = std::abs(rows_apart) > 1 ? 0 : rows_apart;
     entry.column = disk.column - 1 + std::min(across, 0);

@@ -13,7 +13,8 @@ namespace {
 
 /// Disks of no more than so many bytes stay in the first cache, with what belongs to them, by themselves.
 constexpr std::size_t largest_in_first_cache = std::size_t{3} << 16;
-/// Of no more than so many, with what belongs to them, a processor finds the next ones in the second cache or the third while it computes.
+/// Of no more than so many, with what belongs to them, a processor finds the next ones in the second cache or the third
+/// while it computes.
 constexpr std::size_t largest_found_in_time = std::size_t{5} << 20;
 
 /// Applies a permutation, element i going to place new_place[i], without a second array.
@@ -62,8 +63,8 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   pipeline_.clear();
 }
 
-/// At a time when none waits for an event, whatever the order of the disks: of two that touch first each waits for it, and the first of the
-/// two events is that of both.
+/// At a time when none waits for an event, whatever the order of the disks: of two that touch first each waits for it,
+/// and the first of the two events is that of both.
 void Flight::predict_all(double time) {
   LargeArray<double> times(size_);
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
@@ -166,11 +167,11 @@ void Flight::fetch_far() {
   } while (pipeline_.waiting() > most_waiting);
 }
 
-/// Asks for what the next events but one to four need. Of disks around, only those on lists: in cells so many may be that they would keep
-/// one another out.
+/// Asks for what the next events but one to four need. Of disks around, only those on lists: in cells so many may be
+/// that they would keep one another out.
 void Flight::fetch_near() {
   PredictionInput const& s = prediction_input_;
-  // Of a border the last disk is asked for, which is cheaper than a branch.
+  // For a border the last disk is asked for, which is cheaper than a branch.
   auto const with_partner = [this](Index i) {
     return std::array{i, std::min(disks_[i].partner, static_cast<Index>(size_ - 1))};
   };
@@ -211,8 +212,8 @@ void Flight::cross_into_next_cell(Index i, Side side) {
   move_to_cell(i, cell, now_);
 }
 
-/// A disk that leaves a periodic box goes on with another coordinate, which is rounded anew: as if it had been hit, events
-/// predicted before are void, so that it does not matter when others looked at it.
+/// A disk that leaves a periodic box goes on with another coordinate, which is rounded anew: as if it had been hit,
+/// events predicted before are void, so that it does not matter when others looked at it.
 void Flight::cross_edge(Index i, Side side) {
   MovingDisk& disk = disks_[i];
   std::int32_t const across = side == Side::right || side == Side::top ? 1 : -1;

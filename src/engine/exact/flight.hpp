@@ -26,7 +26,7 @@ enum class Lists {
   not_at_all,
 };
 
-/// What of events to come is asked for, so that it is in the first cache when they are due.
+/// Records of events to come are asked for, so that they are in the first cache when they are due.
 enum class Fetching {
   nothing,  ///< all is there
   near,     ///< all is in the second cache
@@ -47,7 +47,8 @@ struct Image {
 
 /// Hard disks in free flight from event to event, within one epoch: all of a system, or those of a strip of it.
 ///
-/// It finds the next event, and handles it; which epochs there are, and who counts what happens, is left to those who fly.
+/// It finds the next event, and handles it; which epochs there are, and who counts what happens, is left to those who
+/// fly.
 class Flight {
  public:
   /// The time of the last event handled, in this epoch.
@@ -55,7 +56,7 @@ class Flight {
   [[nodiscard]] std::size_t size() const { return size_; }
   /// The disks as they are, for tests that damage them.
   [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
-  /// What predictions read, for tests that compare implementations.
+  /// The memory that predictions read, for tests that compare implementations.
   [[nodiscard]] PredictionInput const& prediction_input() const { return prediction_input_; }
 
  protected:
@@ -237,9 +238,9 @@ inline void Flight::schedule(Index i, Prediction const& next) {
   calendar_.add(next.time, i, disks_.data());
 }
 
-/// The elastic rule of turn.hpp, at the time of contact, in the frame in which the two rims rest: the velocity v along the line of
-/// centres becomes −v + 2a. The centre at the zero of time moves so that the path does not jump: x + v·now stays what it was.
-/// The bits do not depend on which of the two is i.
+/// The elastic rule of turn.hpp, at the time of contact, in the frame in which the two rims rest: the velocity v along
+/// the line of centres becomes −v + 2a. The centre at the zero of time moves so that the path does not jump: x + v·now
+/// stays what it was. The bits do not depend on which of the two is i.
 template <class Observer>
 void Flight::collide(Index i, Index j, Observer& observer) {
   MovingDisk& a = disks_[i];
@@ -301,8 +302,8 @@ void Flight::hit_wall(Index i, Side side, Observer& observer) {
   observer.wall_hit(i, side, impulse);
 }
 
-/// Calls visit(slots) for runs of slots that together hold all disks which a disk there can touch with their radii at `scale`, if what is known
-/// of the place of either is wrong by no more than `more` in all.
+/// Calls visit(slots) for runs of slots that together hold all disks which a disk there can touch with their radii at
+/// `scale`, if what is known of the place of either is wrong by no more than `more` in all.
 template <class Visit>
 void Flight::for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const {
   for (SizeClass const& like_disks : size_classes_) {

@@ -6,7 +6,7 @@
 
 namespace gridlock::exact {
 
-/// What a state was like when it was handed to the caller: only as long as it stays so can the flight go on that it was
+/// The state as it was when it was handed to the caller: only as long as it stays so can the flight go on that it was
 /// taken from.
 class LeftState {
  public:

@@ -8,8 +8,8 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Lists of neighbours pay where the number of disks in nine cells, times the square of the packing fraction, is larger: measured with
-/// equal disks and with mixtures of 1:1.4 to 1:10.
+/// Lists of neighbours pay where the number of disks in nine cells, times the square of the packing fraction, is
+/// larger: measured with equal disks and with mixtures of 1:1.4 to 1:10.
 constexpr double candidates_for_lists = 4.5;
 /// The least room around the place of a growing disk, in diameters of the smallest.
 constexpr double least_room_of_growing = 0.02;
@@ -31,8 +31,8 @@ bool Flight::wants_lists() const {
   return candidates * squared(packing_fraction()) >= candidates_for_lists;
 }
 
-/// Around the places: a small one is left often, a large one makes long lists. A measured compromise, in root mean square diameters. Growing
-/// disks are the more confined the shorter their epochs are.
+/// Around the places: a small one is left often, a large one makes long lists. A measured compromise, in root mean
+/// square diameters. Growing disks are the more confined the shorter their epochs are.
 double Flight::room_for_lists() const {
   double const diameter = 2.0 * std::sqrt(mean_squared_radius_) * growth_.scale.at_zero;
   double const room = (0.2 + std::max(0.0, 0.8 - packing_fraction())) * diameter;
@@ -41,8 +41,8 @@ double Flight::room_for_lists() const {
   return std::clamp(room * epoch_length_ / longest_epoch_, least, std::max(room, least));
 }
 
-/// Within how much of an edge of the box a place is from which a disk may meet another across it: the two touch, each anywhere in its room,
-/// with a place in its room.
+/// Within how much of an edge of the box a place is from which a disk may meet another across it: the two touch, each
+/// anywhere in its room, with a place in its room.
 double Flight::reach_with(double room, double scale) const { return 2.0 * largest_radius_ * scale + 5.0 * room; }
 
 void Flight::end_lists() {

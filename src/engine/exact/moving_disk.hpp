@@ -8,7 +8,7 @@ namespace gridlock::exact {
 /// The name of a disk inside the engine: its place in memory, which changes when the disks are put in cell order.
 using Index = std::uint32_t;
 
-/// What a disk meets next, where that is no other disk: the border of its cell, or the wall there.
+/// The border that a disk meets next, where that is no other disk: that of its cell, or the wall there.
 inline constexpr Index vertical_border = std::numeric_limits<Index>::max() - 1;
 inline constexpr Index horizontal_border = std::numeric_limits<Index>::max();
 
@@ -49,7 +49,8 @@ struct Cell {
   friend bool operator==(Cell const&, Cell const&) = default;
 };
 
-/// Gives a disk a change of velocity at time `now`: its centre at the zero of time moves so that its path does not jump.
+/// Gives a disk a change of velocity at time `now`: its centre at the zero of time moves so that its path does not
+/// jump.
 inline void change_velocity(MovingDisk& disk, double change_x, double change_y, double now) {
   disk.velocity_x += change_x;
   disk.velocity_y += change_y;

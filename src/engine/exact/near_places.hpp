@@ -27,8 +27,8 @@ inline constexpr std::size_t names_per_batch = 16;
 
 /// Kernels that look for neighbours. All give the same names in the same order.
 struct NearPlaces {
-  /// Writes the names in some slots, in which there may be nobody, but for one; returns how many. There is room for as many as slots, and
-  /// for a batch more. Slots up to a batch behind the last are read.
+  /// Writes the names in some slots, in which there may be nobody, but for one; returns how many. There is room for as
+  /// many as slots, and for a batch more. Slots up to a batch behind the last are read.
   using Collect = std::size_t (*)(Index const* slots, std::size_t count, Index apart, Index* names);
   /// Leaves those of the names whose disks are near enough; returns how many. There is room for a batch more.
   using Keep = std::size_t (*)(PlacesAround const& around, Index* names, std::size_t count);

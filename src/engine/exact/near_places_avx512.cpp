@@ -1,7 +1,8 @@
 #include "core/avx512.hpp"
 #include "engine/exact/near_places.hpp"
 
-// By hand, and for these registers alone: narrower ones have no instruction that moves what is kept together, and gain nothing.
+// By hand, and for these registers alone: narrower ones have no instruction that moves what is kept together, and gain
+// nothing.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
@@ -22,7 +23,8 @@ Mask first_lanes(std::size_t count) {
   return static_cast<Mask>((std::uint64_t{1} << std::min(count, all)) - 1U);
 }
 
-// What is kept is moved together in a register and written whole: writing only some of the lanes takes ten times as long.
+// The lanes that are kept are moved together in a register and written whole: writing only some of the lanes takes ten
+// times as long.
 
 GRIDLOCK_AVX512 std::size_t collect(Index const* slots, std::size_t count, Index apart, Index* names) {
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(no_disk));

@@ -72,20 +72,19 @@ struct PairPrediction {
 
 /// The first event of disk i after `now` that no other disk will look after.
 ///
-/// Two disks at distance d with relative velocity w, σ = (R_i + R_j) · scale(t) and a = dσ/dt, A = w² − a², b = d·w − aσ,
-/// c = d² − σ², touch after
+/// Two disks at distance d with relative velocity w, σ = (R_i + R_j) · scale(t) and a = dσ/dt, A = w² − a², b = d·w −
+/// aσ, c = d² − σ², touch after
 ///     Δt = c / (−b + √(b² − Ac))   if b < 0, the form that does not cancel,
 ///     Δt = (b + √(b² − Ac)) / (−A)   if b ≥ 0 and A < 0: the disks grow faster than they part.
-/// For disks that do not grow b² − Ac is computed as w²σ² − (d × w)², which keeps its digits where small disks far away from each other
-/// are to touch with their rims.
-/// d, b and c are those of the moment at which the velocity of one of the two last changed: the time of contact has the
-/// same bits whenever it is predicted, so that neither cells nor lists nor void events show in the trajectory.
+/// For disks that do not grow b² − Ac is computed as w²σ² − (d × w)², which keeps its digits where small disks far away
+/// from each other are to touch with their rims. d, b and c are those of the moment at which the velocity of one of the
+/// two last changed: the time of contact has the same bits whenever it is predicted, so that neither cells nor lists
+/// nor void events show in the trajectory.
 ///
-/// A collision with j counts only when it comes before j's own event: at its own event j looks at all its neighbours again
-/// and finds it. The 3×3 block of cells is enough, for leaving its cell is an event as well; so is the list of neighbours, for so
-/// is leaving the room around its place.
-/// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
-/// ties to the lower Id.
+/// A collision with j counts only when it comes before j's own event: at its own event j looks at all its neighbours
+/// again and finds it. The 3×3 block of cells is enough, for leaving its cell is an event as well; so is the list of
+/// neighbours, for so is leaving the room around its place. Every implementation gives the same bits: the same
+/// operations on each candidate in the same order, no contraction, ties to the lower Id.
 /// Contract: all event times come from this kernel since the zero of the epoch.
 using Predict = Prediction (*)(PredictionInput const& prediction_input, Index i, double now);
 /// The same for two that have just collided, and cannot meet there again unless their growth makes them.
@@ -102,7 +101,8 @@ Predictor reference_predictor();
 
 /// Whether the box has the five cells a side, or disks the lists, that all other predictors need.
 bool has_room_for_registers(PredictionInput const& prediction_input);
-/// The kernel for the instructions of this target, which the processor must have; none where this build has no such kernel.
+/// The kernel for the instructions of this target, which the processor must have; none where this build has no such
+/// kernel.
 /// Contract: has_room_for_registers().
 std::optional<Predictor> predictor_for(Target target, bool is_growing);
 
@@ -114,8 +114,8 @@ Predictor plain_predictor(bool is_growing);
 std::optional<Predictor> avx512_predictor(bool is_growing);
 std::optional<Predictor> highway_predictor(Target target, bool is_growing);
 
-/// When disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or a wall; not for growing
-/// disks between walls.
+/// When disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or a wall;
+/// not for growing disks between walls.
 inline Prediction predict_border(PredictionInput const& s, Index i, double now) {
   MovingDisk const& disk = s.disks[i];
   bool const is_rightwards = disk.velocity_x > 0.0;
@@ -143,7 +143,7 @@ enum class Side { left, right, bottom, top };  // in the order of Counters::Wall
 
 enum class Border { of_cell, of_place, edge, wall };
 
-/// What border it is that a disk has reached; the edge of a periodic box is one of a cell where there are no places.
+/// The kind of border that a disk has reached; the edge of a periodic box is one of a cell where there are no places.
 struct BorderEvent {
   double time;
   Side side;

@@ -13,7 +13,7 @@ namespace gridlock::exact {
 namespace {
 
 constexpr std::size_t lanes = 8;
-/// Of a disk that may meet more, not all are looked at in one go.
+/// Candidates in one go; a disk that may meet more takes several.
 constexpr std::size_t most_candidates_here = 16;
 static_assert(batch == lanes);
 
@@ -37,13 +37,15 @@ GRIDLOCK_AVX512 inline __m512i moved_up(Run const& run, unsigned places) {
   return _mm512_maskz_expand_epi32(static_cast<__mmask16>(((1U << run.count) - 1U) << places), run.names);
 }
 
-/// Those that i may meet but for `apart`. Three cells of four slots are a run of memory that one register of sixteen holds.
+/// Those that i may meet but for `apart`. Three cells of four slots are a run of memory that one register of sixteen
+/// holds.
 /// Returns false where there may be too many.
 GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(s.nobody));
   if (s.neighbours != nullptr) {
-    // The last of the sixteen is not a name but their number. Without the one that is apart few disks of a mixture need a second batch.
+    // The last of the sixteen is not a name but their number. Without the one that is apart few disks of a mixture need
+    // a second batch.
     __m512i const names = _mm512_load_si512(s.neighbours[i].disks);
     auto const others = static_cast<__mmask16>(_mm512_cmpneq_epi32_mask(names, other) & 0x7FFFU);
     _mm512_store_si512(candidates.disks, _mm512_mask_compress_epi32(nobody, others, names));
@@ -230,7 +232,7 @@ GRIDLOCK_AVX512 inline Prediction predict_beside(PredictionInput const& s, Index
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-/// Of a disk with many candidates; `apart` is no disk where it has not just collided with any.
+/// Predicts for a disk with many candidates; `apart` is no disk where it has not just collided with any.
 template <bool grows>
 GRIDLOCK_AVX512 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
   Prediction const best = earliest_of_many(s, i, apart, border_of<grows>(s, i, now),
@@ -250,7 +252,7 @@ GRIDLOCK_AVX512 Prediction predict(PredictionInput const& s, Index i, double now
 
 template <bool grows>
 GRIDLOCK_AVX512 PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double now) {
-  // What is around the two does not depend on their collision: collected first, it is found while the processor
+  // The disks around the two do not depend on their collision: collected first, they are found while the processor
   // still waits for the new velocities.
   Candidates around_i;
   Candidates around_j;

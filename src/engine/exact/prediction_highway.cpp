@@ -1,10 +1,11 @@
 #include "engine/exact/candidates.hpp"
 #include "engine/exact/earliest_contact.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
-// used; predictor_for() chooses which of the kernels is called. AVX-512 has a kernel by hand (prediction_avx512.cpp), which is 1.2 to 1.3 times
-// as fast; processors with SSSE3 alone take the plain C++ (prediction_plain.cpp), which is faster than Highway's one lane, too.
-// Registers of SVE have no size and fit in no struct.
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
+// of Highway are used; predictor_for() chooses which of the kernels is called. AVX-512 has a kernel by hand
+// (prediction_avx512.cpp), which is 1.2 to 1.3 times as fast; processors with SSSE3 alone take the plain C++
+// (prediction_plain.cpp), which is faster than Highway's one lane, too. Registers of SVE have no size and fit in no
+// struct.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/exact/prediction_highway.cpp"
@@ -124,7 +125,7 @@ HWY_INLINE Vec shifts_to_nearest(Vec d, double side) {
   return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Set(tag, side), down);
 }
 
-/// What all candidates of a disk have in common.
+/// The numbers that all candidates of a disk have in common.
 struct Self {
   MovingDisk const& disk;
   double now;
@@ -132,8 +133,8 @@ struct Self {
   bool needs_images;
 };
 
-/// When each of the disks of a register touches; never where it does not before its own event. Tells whether some part so slowly that growth
-/// can overtake them.
+/// When each of the disks of a register touches; never where it does not before its own event. Tells whether some part
+/// so slowly that growth can overtake them.
 template <bool grows>
 HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const* names, bool& has_slow_ones) {
   Numbers const tag;
@@ -213,7 +214,7 @@ HWY_INLINE Prediction predict_beside(PredictionInput const& s, Index i, double n
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-/// Of a disk with many candidates; `apart` is no disk where it has not just collided with any.
+/// Predicts for a disk with many candidates; `apart` is no disk where it has not just collided with any.
 template <bool grows>
 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
   Prediction const best = earliest_of_many(s, i, apart, predict_any_border<grows>(s, i, now),

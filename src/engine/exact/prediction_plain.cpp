@@ -5,8 +5,8 @@
 #include "engine/exact/candidates.hpp"
 #include "engine/exact/earliest_contact.hpp"
 
-// Plain C++ without a branch for each candidate, which compilers make registers of two numbers of where they can: twice as fast as
-// the reference.
+// Plain C++ without a branch for each candidate, which compilers make registers of two numbers of where they can: twice
+// as fast as the reference.
 
 namespace gridlock::exact {
 
@@ -63,8 +63,8 @@ bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
 /// Separation at the zero of time from the nearest image; sides are infinite where there are none.
 inline double nearest(double d, double w, double now, double side) { return d + shift_to_nearest(d + w * now, side); }
 
-/// When each of the disks touches; never where it does not before its own event. Returns whether some part so slowly that growth
-/// can overtake them.
+/// When each of the disks touches; never where it does not before its own event. Returns whether some part so slowly
+/// that growth can overtake them.
 template <bool grows, bool needs_images>
 bool find_times(PredictionInput const& s, Index i, double now, Columns& columns) {
   MovingDisk const self = s.disks[i];
@@ -169,7 +169,7 @@ Prediction predict_beside(PredictionInput const& s, Index i, double now, Index a
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-/// Of a disk with many candidates; `apart` is no disk where it has not just collided with any.
+/// Predicts for a disk with many candidates; `apart` is no disk where it has not just collided with any.
 template <bool grows>
 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
   Prediction const best = earliest_of_many(

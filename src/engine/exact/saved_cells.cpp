@@ -7,7 +7,8 @@
 
 namespace gridlock::exact {
 
-/// The lists and their cells are found again; when disks leave their places or, without lists, their cells is seen in the number of events.
+/// The lists and their cells are found again; when disks leave their places or, without lists, their cells is seen in
+/// the number of events.
 void Dynamics::serialize_lists(Archive& archive) {
   std::vector<Index> const disks = disks_by_id_index();
   std::vector<std::uint64_t> cells{1, 1};

@@ -22,10 +22,11 @@ namespace gridlock::exact {
 ///     │ ·· │ 07 │ 3· │ ·· │   dotted: empty. The outermost cells are ghosts: copies of the other side in a
 ///     └────┴────┴────┴────┘   periodic box, empty behind a wall; no search has to look where the box ends.
 ///
-/// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or cells
-/// larger, a cell that runs full doubles the slots of all.
+/// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or
+/// cells larger, a cell that runs full doubles the slots of all.
 ///
-/// A disk may go on to belong to a cell that it has left, up to a margin beyond its borders, so that one that soon comes back crosses none.
+/// A disk may go on to belong to a cell that it has left, up to a margin beyond its borders, so that one that soon
+/// comes back crosses none.
 ///
 ///     ┌╌╌╌╌╌╌╌╌╌╌╌┐      centres of two disks that touch are no more than `reach` apart: with margins of half of what cells are
 ///     ╎ ┌───────┐ ╎      wider than that, each is still in the 3×3 cells around the other. There are none at the edges of the box,
@@ -42,7 +43,8 @@ class SlotGrid {
 
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
-  /// Between which coordinates a disk belongs to column c: 2c is the place of the lower limit, 2c + 1 that of the upper; the same for rows.
+  /// Between which coordinates a disk belongs to column c: 2c is the place of the lower limit, 2c + 1 that of the
+  /// upper; the same for rows.
   [[nodiscard]] double const* column_limits() const { return column_limits_.data(); }
   [[nodiscard]] double const* row_limits() const { return row_limits_.data(); }
   /// How far a disk may be from the cell that it belongs to, in x or y.
@@ -64,8 +66,8 @@ class SlotGrid {
     return slots_.data() + first_slot_of(column, row);
   }
 
-  /// Calls visit(slots) for all slots of the cells that have a point between `lower` and `upper`, or an image of one: for runs of
-  /// memory, each once. Of no cell beyond walls.
+  /// Calls visit(slots) for all slots of the cells that have a point between `lower` and `upper`, or an image of one:
+  /// for runs of memory, each once. Of no cell beyond walls.
   template <class Visit>
   void for_each_run(Vector lower, Vector upper, Visit visit) const {
     Range const columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_);

@@ -9,23 +9,26 @@ namespace gridlock::exact {
 
 namespace {
 
-/// In a window each disk is hit about so often: in a longer one wrong copies come further, in shorter ones copies are renewed more often.
+/// In a window each disk is hit about so often: in a longer one wrong copies come further, in shorter ones copies are
+/// renewed more often.
 constexpr double window_hits = 3.0;
-/// How deep wrong copies come: some diameters at once, and so many for each hit of a disk. Measured are 4 + 1.2 per hit at φ = .70 and .85,
-/// and 3.5 + 2.2 at .30, where mean free paths are half a diameter.
+/// How deep wrong copies come: some diameters at once, and so many for each hit of a disk. Measured are 4 + 1.2 per hit
+/// at φ = .70 and .85, and 3.5 + 2.2 at .30, where mean free paths are half a diameter.
 constexpr double diameters_at_once = 3.0;
 constexpr double diameters_per_hit = 1.2;
 constexpr double paths_per_hit = 2.4;
-/// How near to each other disks on both sides of a border come that have been further apart: some diameters and mean free paths.
+/// How near to each other disks on both sides of a border come that have been further apart: some diameters and mean
+/// free paths.
 constexpr double diameters_checked = 1.5;
 constexpr double paths_in_window = 11.0;
 /// How far disks come in an epoch.
 constexpr double paths_in_epoch = 17.0;
-/// What a strip costs beside its disks' flight, as part of it: copies of records, comparisons, waiting.
+/// The cost of a strip beside its disks' flight, as part of it: copies of records, comparisons, waiting.
 constexpr double cost_of_sharing = 0.12;
 /// Strips that would not be so many times as fast as one thread do not pay.
 constexpr double least_gain = 1.42;
-/// The height of a strip, in the depth of copies: only strips beside each other meet, and each disk has one copy in a strip at most.
+/// The height of a strip, in the depth of copies: only strips beside each other meet, and each disk has one copy in a
+/// strip at most.
 constexpr double least_height = 2.0;
 
 /// Bit by bit: −0 is not 0.
@@ -208,7 +211,7 @@ struct Strip::Observer {
     if ((strip.marks_[copy] & is_checked) == 0) strip.is_wrong_ = true;
     strip.note(own, strip.height_of(own, strip.now_));
     ++strip.own_hits_;
-    // Of the two strips that see it one counts it.
+    // One of the two strips that see it counts it.
     if (strip.disks_[own].id_index < strip.disks_[copy].id_index) strip.counted_[0].push_back({strip.now_, virial});
   }
   void wall_hit(Index i, Side wall, double impulse) {
@@ -224,7 +227,7 @@ struct Strip::Observer {
 void Strip::fly(double start, double end) {
   end_ = end;
   Observer observer{*this};
-  // What a strip does in a window at the very most: disks that collide without end are left to one thread.
+  // Bound for the events of a strip in a window: disks that collide without end are left to one thread.
   std::uint64_t const most_events = 1000 * size_ + 100'000;
   double const narrowing = end > start ? (plan_.reach - plan_.flown) / (end - start) : 0.0;
   for (std::uint64_t events = 0; !is_wrong_; ++events) {
@@ -351,8 +354,8 @@ bool Strips::fly(Flight& whole, double end, Counters& counters) {
   return true;
 }
 
-/// Whether disks of two strips that have not been compared were too far from each other to meet; and whether no disk has gone
-/// so far that it could have met those of a strip further away.
+/// Whether disks of two strips that have not been compared were too far from each other to meet; and whether no disk
+/// has gone so far that it could have met those of a strip further away.
 bool Strips::are_apart(std::size_t below, std::size_t above) const {
   double const height = height_ / static_cast<double>(strips_.size());
   Strip const& lower = strips_[below];
@@ -362,8 +365,8 @@ bool Strips::are_apart(std::size_t below, std::size_t above) const {
          lower.highest_unchecked() + contact_ < upper.been().lowest + height;
 }
 
-/// Sums go through the events in the order in which one thread would: rounding depends on it. Events at the very same time are left
-/// to one thread.
+/// Sums go through the events in the order in which one thread would: rounding depends on it. Events at the very same
+/// time are left to one thread.
 bool Strips::count_window(double start, double end, Counters& counters) {
   std::size_t const slices = threads_.size();
   slices_.resize(slices);

@@ -36,14 +36,15 @@ struct Extent {
 
 /// The disks of a strip, which fly here alone, and copies of those around it, which fly here and in their own strip.
 ///
-/// What is beyond the copies is not there, so that the outermost fly wrongly, and those they hit, and so on inwards: disk by disk,
-/// as slowly as disks collide. As long as no copy that a disk of the strip may meet has been reached, the strip is right.
-/// Heights are counted from the middle of the strip, to the nearest image.
+/// Disks beyond the copies are not there, so that the outermost fly wrongly, and those they hit, and so on inwards:
+/// disk by disk, as slowly as disks collide. As long as no copy that a disk of the strip may meet has been reached, the
+/// strip is right. Heights are counted from the middle of the strip, to the nearest image.
 class alignas(128) Strip final : public Flight {  // no two share a cache line
  public:
   explicit Strip(Box const& box) : Flight(box) {}
 
-  /// Takes its disks and copies from the whole, as they are at this time; `owner` and `place` are told where the disks of the strip are.
+  /// Takes its disks and copies from the whole, as they are at this time; `owner` and `place` are told where the disks
+  /// of the strip are.
   void load(Flight const& whole, StripPlan const& plan, std::size_t self, double time,
             std::vector<std::uint16_t>& owner, std::vector<Index>& place);
   /// Says how high its disks reach at the start of a window; then, when all have said so, gets ready for it.
@@ -57,7 +58,8 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   /// Writes its disks into the whole.
   void hand_over(Flight& whole) const;
 
-  /// What its disks did in the window and is counted: a collision of two with its virial, or a hit of a wall with its impulse.
+  /// An event of its disks in the window that is counted: a collision of two with its virial, or a hit of a wall with
+  /// its impulse.
   struct Counted {
     double time;
     double amount;
@@ -74,7 +76,8 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   /// How much deeper than those that count were the copies that went wrong.
   [[nodiscard]] double slack() const { return slack_; }
 
-  /// Where in the window its disks have been: all, and those that the copies compared by the strips below and above are not of.
+  /// Where in the window its disks have been: all, and those that the copies compared by the strips below and above are
+  /// not of.
   [[nodiscard]] Extent const& been() const { return been_; }
   [[nodiscard]] double lowest_unchecked() const { return lowest_unchecked_; }
   [[nodiscard]] double highest_unchecked() const { return highest_unchecked_; }
@@ -124,21 +127,24 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
 ///     ─ ─ ─ ─ ─ ─ ─ ─  ┤ of 1's      strips saw the same collisions. Then the window is good. Else it is given up, and one
 ///      strip 0         │ in 0        thread flies it.
 ///
-/// The proof: take the first moment at which a disk in its own strip does what it would not do in the whole. Up to then all disks in
-/// their own strips were right, and so were all copies that agree with them at the end. At this moment it either meets a copy,
-/// which must be one of those compared, or does not meet a disk of which it had no such copy, which then was nearer
-/// than the two strips' unchecked disks have been to each other. Both are looked at. So bits do not depend on the strips.
+/// The proof: take the first moment at which a disk in its own strip does what it would not do in the whole. Up to then
+/// all disks in their own strips were right, and so were all copies that agree with them at the end. At this moment it
+/// either meets a copy, which must be one of those compared, or does not meet a disk of which it had no such copy,
+/// which then was nearer than the two strips' unchecked disks have been to each other. Both are looked at. So bits do
+/// not depend on the strips.
 class Strips {
  public:
   explicit Strips(ThreadPool& threads) : threads_(threads) {}
 
-  /// How many of which height pay, for disks that are hit `hits_per_time` times each on average; `caution` widens everything.
+  /// How many of which height pay, for disks that are hit `hits_per_time` times each on average; `caution` widens
+  /// everything.
   static StripPlan plan(Flight const& whole, std::size_t threads, double hits_per_time, double caution,
                         bool wherever_possible);
 
   /// Takes all disks.
   void begin(Flight const& whole, StripPlan const& plan, double time);
-  /// Flies to `end`, at most a window later, hands all disks back and counts what happened; or changes nothing and says no.
+  /// Flies to `end`, at most a window later, hands all disks back and counts what happened; or changes nothing and says
+  /// no.
   [[nodiscard]] bool fly(Flight& whole, double end, Counters& counters);
 
   [[nodiscard]] double time() const { return time_; }

@@ -149,7 +149,7 @@ void Relaxation::serialize(Archive& archive, Origin& origin) {
 }
 
 void Relaxation::serialize(Archive& archive, std::size_t disks, std::uint64_t sweep) {
-  // What the settings and the start decide is not saved but for this, to which the sums belong.
+  // Values that the settings and the start decide are not saved but for this, to which the sums belong.
   archive.visit("squared_cage", squared_cage_);
   archive.visit("neighbour_distance", neighbour_distance_);
   archive.require(disks == disks_, "the correlations are of another number of disks");

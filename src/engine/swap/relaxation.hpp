@@ -14,9 +14,10 @@ namespace gridlock {
 
 /// The time correlations of a run of swap Monte Carlo.
 ///
-/// Time origins are sixteen, a sixteenth of the run apart. Between two of them the disks are compared with the last origin after
-/// 1, 2, 3, 4, 6, 8, 12 … sweeps, at an origin with all earlier ones. So a relaxation time that fits ten times into the run
-/// comes from many origins, and measuring takes a few hundred looks, however long the run. Of many disks 4096 are watched.
+/// Time origins are sixteen, a sixteenth of the run apart. Between two of them the disks are compared with the last
+/// origin after 1, 2, 3, 4, 6, 8, 12 … sweeps, at an origin with all earlier ones. So a relaxation time that fits ten
+/// times into the run comes from many origins, and measuring takes a few hundred looks, however long the run. Of many
+/// disks 4096 are watched.
 class Relaxation {
  public:
   Relaxation() = default;
@@ -32,7 +33,7 @@ class Relaxation {
   void serialize(Archive& archive, std::size_t disks, std::uint64_t sweep);
 
  private:
-  /// What is remembered of one time.
+  /// The state that is remembered of one time.
   struct Origin {
     std::uint64_t sweep = 0;
     std::vector<std::uint32_t> first;  ///< neighbours of watched disk k: from first[k] to first[k + 1]

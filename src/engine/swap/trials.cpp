@@ -43,8 +43,8 @@ void SwapTrials::write_back(State& state) const {
 
 SwapTrials::Trial SwapTrials::draw(Sweep const& sweep, std::uint64_t number) const {
   RandomStream random(seed_, sweep.number, number, Purpose::swap_trial);
-  // A product below N, since a number below 1 is at least 2⁻⁵³ below it. Which disks are likelier by 2⁻⁵³ does not matter: a trial
-  // and its reverse pick the same.
+  // A product below N, since a number below 1 is at least 2⁻⁵³ below it. Which disks are likelier by 2⁻⁵³ does not
+  // matter: a trial and its reverse pick the same.
   auto const pick = [&] { return static_cast<std::uint32_t>(random.uniform() * static_cast<double>(disks_.size())); };
   Trial trial{.is_swap = random.uniform() < sweep.swap_fraction, .disk = pick(), .other = nobody, .displacement = {}};
   if (trial.is_swap) {
@@ -126,8 +126,9 @@ bool SwapTrials::is_free(Room const& room) const {
   float const limit = static_cast<float>(cutoff * cutoff * limit_per_area_) + limit_error_;
   std::array<int, 3> const columns{grid_.column_left_of(column), column, grid_.column_right_of(column)};
   std::array<int, 3> const rows{grid_.row_below(row), row, grid_.row_above(row)};
-  // A cell is at least as wide as the largest distance at contact, so three by three are enough. In a box of one or two columns
-  // a cell is seen more than once, as its images are. All are compared before the first disk is looked at, which keeps the processor from waiting for each.
+  // A cell is at least as wide as the largest distance at contact, so three by three are enough. In a box of one or two
+  // columns a cell is seen more than once, as its images are. All are compared before the first disk is looked at,
+  // which keeps the processor from waiting for each.
   std::array<PackedGrid::Block const*, 9> around;
   std::uint64_t near = 0;
   std::uint32_t next = PackedGrid::none;

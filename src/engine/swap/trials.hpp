@@ -44,7 +44,7 @@ class SwapTrials {
     std::int32_t image_x = 0;
     std::int32_t image_y = 0;
   };
-  /// What the random numbers ask for.
+  /// The trial that the random numbers ask for.
   struct Trial {
     bool is_swap;
     std::uint32_t disk;

@@ -15,11 +15,12 @@
 
 namespace gridlock::tiled {
 
-/// The order of the turns of some tiles of one colour, which touch no common cell, found class by class; UpdateOrder says what classes
-/// and levels are. Level by level the turns of a class come tile after tile, so each tile has its own order in it.
+/// The order of the turns of some tiles of one colour, which touch no common cell, found class by class; UpdateOrder
+/// says what classes and levels are. Level by level the turns of a class come tile after tile, so each tile has its own
+/// order in it.
 ///
-/// Agents of a class stay where they are until it is their turn, and those that come into its cells have had theirs: what has been found
-/// at the beginning of a class stays right.
+/// Agents of a class stay where they are until it is their turn, and those that come into its cells have had theirs:
+/// what has been found at the beginning of a class stays right.
 class ClassOrder {
  public:
   using Block = PackedGrid::Block;
@@ -27,7 +28,8 @@ class ClassOrder {
   /// So many more turns may be read behind the last one; they are of agents of the grid.
   static constexpr std::size_t beyond = 8;
 
-  /// Finds the turns of a class, and marks the agents as turned. `ids` are the Ids of all rows, or numbers in the same order;
+  /// Finds the turns of a class, and marks the agents as turned. `ids` are the Ids of all rows, or numbers in the same
+  /// order;
   /// `turned` has the bits of all slots that say that an agent has had its turn, none or all.
   void find(PackedGrid& grid, Tiling const& tiling, std::span<std::uint32_t const> tiles, std::size_t of_class,
             std::span<std::uint32_t const> ids, unsigned turned) {
@@ -55,7 +57,8 @@ class ClassOrder {
   [[nodiscard]] Block* const* blocks() const { return blocks_.data(); }
   [[nodiscard]] std::uint8_t const* slots() const { return slots_.data(); }
 
-  /// The end of a batch of up to `most` agents from `first` on, of different cells. Contract: all before have had their turns.
+  /// The end of a batch of up to `most` agents from `first` on, of different cells. Contract: all before have had their
+  /// turns.
   [[nodiscard]] std::size_t next_batch(PackedGrid& grid, std::size_t first, std::size_t most) {
     std::size_t const limit = std::min(first + most, size_);
     std::size_t end = std::min(limit, std::max(first, end_of_first_));
@@ -140,7 +143,8 @@ class ClassOrder {
     size_ = n;
   }
 
-  /// Finds those who wait in a cell of several blocks, in the order of Ids; returns the bits `any` and `several` of WaitingInBlock.
+  /// Finds those who wait in a cell of several blocks, in the order of Ids; returns the bits `any` and `several` of
+  /// WaitingInBlock.
   [[gnu::noinline]] unsigned find_in_chain(PackedGrid& grid, Block& first, std::span<std::uint32_t const> ids,
                                            unsigned turned) {
     std::vector<std::uint32_t> rows;

@@ -34,15 +34,16 @@ bool may_meet(CellLayout const& layout, int cell, int other, int reach);
 
 /// Late disks in groups that cannot disturb each other; group_of[k] is that of disk k.
 ///
-/// Who is late gets energy before its turn only from those who hit it in their turns, and these got theirs in the same way: so
-/// none of a group has more than all of them had together.
+/// Who is late gets energy before its turn only from those who hit it in their turns, and these got theirs in the same
+/// way: so none of a group has more than all of them had together.
 struct LateGroups {
   std::vector<LateGroup> groups;
   std::vector<std::size_t> group_of;
 };
 LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach);
 
-/// When disks take their turns that other ranks must know of: those of one level at once, after those of the levels before.
+/// When disks take their turns that other ranks must know of: those of one level at once, after those of the levels
+/// before.
 /// `disks` are in the order of their turns. A rank keeps that order among its own; one that may meet an earlier one of
 /// another rank comes a level after it.
 std::vector<std::size_t> levels_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach);

@@ -17,9 +17,9 @@ namespace gridlock {
 /// The cells of the engine `tiled`.
 CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOverview const& all);
 
-/// The engine `tiled` on several ranks, of which this one leads; the others take part by tiled::take_part(). The state of each rank has the
-/// rows that a division gives it, in the order of the Ids; between two calls of advance() nobody has any others. The bits, counters included, are
-/// those of one process.
+/// The engine `tiled` on several ranks, of which this one leads; the others take part by tiled::take_part(). The state
+/// of each rank has the rows that a division gives it, in the order of the Ids; between two calls of advance() nobody
+/// has any others. The bits, counters included, are those of one process.
 class TiledOnRanks final : public Engine {
  public:
   /// All rows are those of the leader. Errors: those of TiledEngine.
@@ -47,7 +47,8 @@ class TiledOnRanks final : public Engine {
 
 namespace tiled {
 
-/// What every other rank does after TaskOfRanks::steps_of_disks: its part in TiledOnRanks::advance() and require_no_overlaps().
+/// What every other rank does after TaskOfRanks::steps_of_disks: its part in TiledOnRanks::advance() and
+/// require_no_overlaps().
 void take_part(Communicator& ranks, MessageReader& message, State& own);
 
 }  // namespace tiled

@@ -140,9 +140,9 @@ Share::CellsOfRound Share::cells_of_round(Round const& round, CellWindow const& 
   return cells;
 }
 
-/// When the tiles of the first round must have taken their turns at the latest: 0 before anything is sent, for those that change
-/// cells that others store; k before round k, for those that must come before a tile of that round; and none later than a
-/// tile of the first round that comes after it. Of all tiles.
+/// When the tiles of the first round must have taken their turns at the latest: 0 before anything is sent, for those
+/// that change cells that others store; k before round k, for those that must come before a tile of that round; and
+/// none later than a tile of the first round that comes after it. Of all tiles.
 std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const& rounds) const {
   std::vector<std::uint8_t> latest(tiling_.tiles().size(), Tiling::colours);
   for (std::size_t k = 1; k < rounds.size(); ++k) {
@@ -170,7 +170,8 @@ std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const&
   return latest;
 }
 
-/// Divides the tiles of one of `parts` parts of the first round among the rounds, so that all rounds take as long on every rank.
+/// Divides the tiles of one of `parts` parts of the first round among the rounds, so that all rounds take as long on
+/// every rank.
 void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> const& latest, std::size_t parts) {
   double const tiles_of_round = static_cast<double>(own_.tiles()) / static_cast<double>(Tiling::colours * parts);
   auto const seen = std::ranges::find_if(part, [&](std::uint32_t tile) { return latest[tile] > 0; });
@@ -292,8 +293,8 @@ void Share::tell_of_turns(std::vector<LateDisk> const& taken) {
                  [&](Neighbour const& neighbour) { return cells_of_zones(taken, neighbour.rank, window_); });
 }
 
-/// Sends cells to each neighbour and receives some of it, where there are any: each rank knows from the list of all late
-/// disks which messages there are.
+/// Sends cells to each neighbour and receives some of it, where there are any: each rank knows from the list of all
+/// late disks which messages there are.
 template <class CellsSent, class CellsReceived>
 void Share::exchange_zones(CellsSent cells_sent, CellsReceived cells_received) {
   for (Neighbour const& neighbour : neighbours_) {
@@ -316,7 +317,8 @@ std::vector<int> Share::cells_of_zones(std::vector<LateDisk> const& late, std::s
   return cells;
 }
 
-/// The late disks of all ranks whose turns other ranks may see, in the order of their turns; and how far some late disk may look.
+/// The late disks of all ranks whose turns other ranks may see, in the order of their turns; and how far some late disk
+/// may look.
 std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
   LateGroups const own = groups_of(layout_, late_, reach_);
   LateHead head{.needed_reach = 0, .may_jump = false};

@@ -48,7 +48,8 @@ struct CellsMessage {
   }
 };
 
-/// The share that one rank has in the steps of `tiled`: the disks of its tiles, and of the cells around them that others own.
+/// The share that one rank has in the steps of `tiled`: the disks of its tiles, and of the cells around them that
+/// others own.
 ///
 ///     a rank's     ┌ ─ ─ ─ ─ ─ ─ ─ ─ ┐    In a round the tiles of a rank change their own cells and the ring around them. Then
 ///     window       │ ┌─────────────┐ │    it sends to each other rank what it has changed of what that one's tiles look at. No cell is
@@ -76,7 +77,8 @@ class Share {
   /// Takes the disks of this rank out, and frees what steps need: no further one can be taken.
   [[nodiscard]] LargeArray<DiskInTurn> take_own_disks();
 
-  /// Disks of this rank that overlap others, wherever these are, by more than the tolerance; each pair is found by one rank.
+  /// Disks of this rank that overlap others, wherever these are, by more than the tolerance; each pair is found by one
+  /// rank.
   [[nodiscard]] std::vector<Overlap> find_overlaps(double tolerance) const;
 
   /// Disks for which a rank that has so many needs room, with those of the rim, which a rank of many disks has few of.

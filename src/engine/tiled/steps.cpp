@@ -17,7 +17,8 @@ bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
   return layout.is_periodic() && (tiling.columns() == 1 || tiling.rows() == 1);
 }
 
-/// Registers of one or two numbers are full without a team, and the copies of its groups would cost up to 8 % of the time.
+/// Registers of one or two numbers are full without a team, and the copies of its groups would cost up to 8 % of the
+/// time.
 std::size_t team_size() { return target() == Target::avx2 || target() == Target::avx512 ? Tiling::tiles_of_team : 1; }
 
 PackedGrid grid_of_window(CellLayout const& layout, CellWindow const& window, HotDisks const& disks) {

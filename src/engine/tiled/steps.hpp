@@ -18,7 +18,7 @@ namespace gridlock::tiled {
 /// Steps after which the disks are put in the order of their cells again: they drift less than a cell in that time.
 constexpr std::uint64_t steps_between_sorts = 100;
 
-/// What all turns of a run have in common.
+/// The numbers that all turns of a run have in common.
 struct TurnRule {
   Box box;
   double duration;  ///< of a step
@@ -33,7 +33,7 @@ struct TooFast {
   double displacement;  ///< in a sub-step
 };
 
-/// What one tile leaves behind in one step; on a cache line of its own, since threads write to it side by side.
+/// The results of one tile in one step; on a cache line of its own, since threads write to it side by side.
 /// Disks that are not local wait for the end of the step.
 struct alignas(64) TileResult : TurnResult {
   std::optional<TooFast> too_fast;  ///< the first one
@@ -42,7 +42,8 @@ struct alignas(64) TileResult : TurnResult {
 /// The turns of the disks of some tiles, step after step.
 class Steps {
  public:
-  /// The disks are those of all cells of the window, in any order; turns are taken by those in `tiles`, in growing order.
+  /// The disks are those of all cells of the window, in any order; turns are taken by those in `tiles`, in growing
+  /// order.
   Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, Tiling const& tiling,
         CellWindow const& window, std::vector<std::uint32_t> tiles);
   Steps(Steps const&) = delete;
@@ -91,7 +92,8 @@ class Steps {
   Cutoff cutoff_;
   std::size_t group_size_;
   std::size_t team_size_;  ///< tiles that have their turns at once
-  /// A disk has the mark of its last turn, from when the class of its cell begins; what a mark says turns around with every step.
+  /// A disk has the mark of its last turn, from when the class of its cell begins; what a mark says turns around with
+  /// every step.
   static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
   unsigned marks_of_turned_ = 0;             ///< what the marks are of those that have had their turn
   std::vector<std::uint32_t> id_indices_;    ///< of DiskInTurn, side by side

@@ -21,7 +21,8 @@ using Rows = std::vector<std::uint32_t>;
 
 constexpr std::size_t largest_batch = 16;
 
-/// Points at random in a grid that take turns step after step; in its turn a point goes to any place in the cells around its own.
+/// Points at random in a grid that take turns step after step; in its turn a point goes to any place in the cells
+/// around its own.
 class Turns {
  public:
   Turns(std::size_t count, std::uint64_t seed, double mobile_part)

@@ -1,4 +1,5 @@
-// Masses far apart: the light disks become fast. Up to the limit no overlap is more than rounding; beyond it is refused.
+// Masses far apart: the light disks become fast. Up to the limit no overlap is more than rounding; beyond it is
+// refused.
 
 #include <gtest/gtest.h>
 

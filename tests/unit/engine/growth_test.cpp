@@ -92,8 +92,8 @@ TEST(GrowingDisksTest, ShareTheImpulseByTheirMasses) {
   EXPECT_NEAR(3.0 * disks.speed(0).x + disks.speed(1).x, 3.0, 1e-14);
 }
 
-// From wall to wall the free length ℓ falls by 2 r τ, with r the speed of growth and τ = ℓ / (v + r), and v rises by 2 r:
-// ℓ (v − r) stays what it was.
+// From wall to wall the free length ℓ falls by 2 r τ, with r the speed of growth and τ = ℓ / (v + r), and v rises by 2
+// r: ℓ (v − r) stays what it was.
 TEST(GrowingDisksTest, OneBetweenTwoWallsKeepsItsAction) {
   GrowingDisks disk(Edge::wall);
   disk.add(0.1, 0.5, 1.0, 0.0);

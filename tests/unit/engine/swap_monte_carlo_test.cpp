@@ -183,8 +183,9 @@ TEST(SwapMonteCarlo, SaysThatACrystalHasNotRelaxed) {
   EXPECT_NE(report.warning.find("have not relaxed within 900 sweeps"), std::string::npos) << report.warning;
 }
 
-// A gas so thin that nothing is refused: after t sweeps each coordinate of a disk has the variance σ² = t step²/3, relative to the
-// mean of n neighbours (1 + 1/n) σ², and the share within c is 1 − exp(−c²/(2 (1 + 1/n) σ²)); n has Poisson's distribution.
+// A gas so thin that nothing is refused: after t sweeps each coordinate of a disk has the variance σ² = t step²/3,
+// relative to the mean of n neighbours (1 + 1/n) σ², and the share within c is 1 − exp(−c²/(2 (1 + 1/n) σ²)); n has
+// Poisson's distribution.
 TEST(SwapMonteCarlo, MeasuresTheOverlapOfAThinGasAsItsWalkIs) {
   constexpr double step = 0.05;
   DisksSettings const disks{.count = 2000, .packing_fraction = 1e-6, .start = StartKind::random};

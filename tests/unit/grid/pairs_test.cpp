@@ -133,8 +133,8 @@ TYPED_TEST(AnyGrid, FindsPairsOfImagesOutsideAPeriodicBox) {
 }
 
 TYPED_TEST(AnyGrid, FindsEachPairOnceWhereTheBlockOfCellsGoesAroundTheBoxAlongOneSideOnly) {
-  // Two cells along one side and eight along the other: to the left and to the right of each cell lies the same one. The
-  // points are almost half a side apart, both ways around.
+  // Two cells along one side and eight along the other: to the left and to the right of each cell lies the same one.
+  // The points are almost half a side apart, both ways around.
   for (bool const is_x : {true, false}) {
     State state{.box = is_x ? Box(1.0, 4.0, Edge::periodic) : Box(4.0, 1.0, Edge::periodic)};
     for (double const p : {0.1, 0.5999}) state.agents.add(is_x ? p : 2.1, is_x ? 2.1 : p, 0.0, 0.0, 0.01, 1.0, 0, 0);

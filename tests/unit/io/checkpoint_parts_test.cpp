@@ -329,7 +329,8 @@ TEST(CheckpointParts, KilledBetweenAnyTwoStepsLeaveACheckpoint) {
   }
 }
 
-/// Restores from a directory in which one file is not as it was written; it has to be named, and the previous one be used.
+/// Restores from a directory in which one file is not as it was written; it has to be named, and the previous one be
+/// used.
 void expect_previous(fs::path const& directory, std::string const& damaged, std::string const& what) {
   std::string note;
   Agents const restored = restored_from(directory, note);

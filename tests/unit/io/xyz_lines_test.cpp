@@ -1,4 +1,5 @@
-// The second lines of files in extended XYZ that tests/reference/xyz_lines.json lists, which the tests of the page read too.
+// The second lines of files in extended XYZ that tests/reference/xyz_lines.json lists, which the tests of the page read
+// too.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -94,7 +94,8 @@ TEST(BlockAverage, FindsTheExactErrorOfAnAutoregressiveProcess) {
   double const expected = (variance_of_mean(a, n / 32) - variance_of_mean(a, n)) / 31.0;
   double const standard_error = std::sqrt((squared_squares - squared_errors * squared_errors) / replicas);
   EXPECT_NEAR(squared_errors, expected, 4.0 * standard_error);
-  // Blocks of 128 samples against a memory of 9: within 4 % of the true variance, where single samples would be off by 9.
+  // Blocks of 128 samples against a memory of 9: within 4 % of the true variance, where single samples would be off by
+  // 9.
   EXPECT_NEAR(expected / variance_of_mean(a, n), 1.0, 0.04);
   // The means of 400 independent series scatter as the exact formula says (χ² with 400 degrees: 7 %).
   EXPECT_NEAR(squared_means / variance_of_mean(a, n), 1.0, 4.0 * std::sqrt(2.0 / replicas));

@@ -69,8 +69,9 @@ TEST(BondOrientation, AgreesWithTheDefinitionForRandomPointsInBoxesOfAnyShape) {
 }
 
 TEST(BondOrientation, TwoCrystalsTurnedByHalfTheSymmetryCancelGloballyButNotLocally) {
-  // Turned by 30° the sixfold direction is the opposite: a hexagon around a disk, and the same turned, far apart. The six
-  // corners see the centre and their two neighbours on the ring, all with the same direction modulo 60°. 14 disks on 60 × 20: neighbours are nearer than 14.9, the ring is at 9.
+  // Turned by 30° the sixfold direction is the opposite: a hexagon around a disk, and the same turned, far apart. The
+  // six corners see the centre and their two neighbours on the ring, all with the same direction modulo 60°. 14 disks
+  // on 60 × 20: neighbours are nearer than 14.9, the ring is at 9.
   State state = empty_state(Box(60, 20, Edge::wall));
   for (double const turn : {0.0, std::numbers::pi / 6.0}) {
     Vector const centre{turn > 0.0 ? 50.0 : 10.0, 10.0};

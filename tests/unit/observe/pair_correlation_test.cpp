@@ -63,7 +63,8 @@ void expect_one_for_an_ideal_gas(Box const& box, std::size_t count) {
     weighted += values[0][b] * (values[1][b] - 1.0);
   }
   EXPECT_NEAR(squares, 31.0 / 29.0, 4.0 * std::sqrt(2.3 / bins));
-  // All bins together: the number of pairs within the range, 64 N²/2 times its probability, to 4 of its standard errors.
+  // All bins together: the number of pairs within the range, 64 N²/2 times its probability, to 4 of its standard
+  // errors.
   double const n = static_cast<double>(count);
   double const range = values[0].back() + values[0].front();
   double const pairs = 64 * 0.5 * n * (n - 1) * std::numbers::pi * range * range / box.area();

@@ -96,9 +96,9 @@ TEST(Pressure, OneDiskBetweenWallsObeysTheVirialTheorem) {
 }
 
 TEST(Pressure, AHeadOnPairBetweenWallsTiesWallsToPairs) {
-  // Two equal disks on one line meet in the middle and rebound from opposite walls: each runs (L − 4R)/2 to the wall and
-  // back per period t = (L − 4R)/v. In it one pair collision with |v_n| = 2v, W = 2R m 2v, and one hit of 2mv on the
-  // left and on the right wall. The virial theorem in x: (F_x) (L − 2R) = 2K + W/t with F_x = 2mv/t.
+  // Two equal disks on one line meet in the middle and rebound from opposite walls: each runs (L − 4R)/2 to the wall
+  // and back per period t = (L − 4R)/v. In it one pair collision with |v_n| = 2v, W = 2R m 2v, and one hit of 2mv on
+  // the left and on the right wall. The virial theorem in x: (F_x) (L − 2R) = 2K + W/t with F_x = 2mv/t.
   constexpr double v = 1.5;
   constexpr double side = 2.0;
   constexpr double radius = 0.2;

@@ -66,7 +66,8 @@ TEST(VelocityAutocorrelation, StartsAtTheFirstSampleThatCounts) {
 }
 
 TEST(VelocityAutocorrelation, AveragesOverOriginsAndTellsTheErrorFromTheirScatter) {
-  // Every origin is a state of its own, and in the sample after it all velocities are turned by the angle of that origin.
+  // Every origin is a state of its own, and in the sample after it all velocities are turned by the angle of that
+  // origin.
   VelocityAutocorrelation correlation(2);
   double const cosines[] = {0.0, 0.6, 0.8, 1.0};
   State const state = maxwell_gas(50, 1);

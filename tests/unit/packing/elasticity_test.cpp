@@ -268,7 +268,8 @@ TEST(SoftestMode, HasALargestComponentAboveZero) {
 }
 
 TEST(SoftestMode, OfATriangularLatticeIsItsLongestTransverseWave) {
-  // ω² = k [3 − 2 cos(q/2) … ] of waves along a row: transverse 3 k (1 − cos(q/2)) with q = 2π/16, k = 1/σ²; a Lanczos of 256 disks.
+  // ω² = k [3 − 2 cos(q/2) … ] of waves along a row: transverse 3 k (1 − cos(q/2)) with q = 2π/16, k = 1/σ²; a Lanczos
+  // of 256 disks.
   Packing const packing = triangular_lattice(16, 16, 1e-10);
   VibrationMode const mode = find_softest_mode(find_contact_network(packing, Potential::harmonic)).value();
   double const half = 3.141592653589793 / 16.0;

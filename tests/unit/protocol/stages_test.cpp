@@ -48,7 +48,8 @@ void expect_same(StageResult const& a, StageResult const& b) {
   expect_same(a.levels, b.levels);
 }
 
-/// The results of a protocol that is restored in each of its stages are those of the whole; these stages are interrupted in their middle.
+/// The results of a protocol that is restored in each of its stages are those of the whole; these stages are
+/// interrupted in their middle.
 void expect_results_kept(ProtocolSettings const& settings, std::vector<StageResult> const& expected,
                          std::vector<std::size_t> const& interrupted) {
   State state = fluid();

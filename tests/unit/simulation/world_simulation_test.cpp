@@ -47,8 +47,8 @@ TEST(WorldSimulation, MeasuresTheSameRatesAndPressuresOfTheColloidAsOfTheDisksOf
         std::vector<double> const expected = of_engine.series.numbers(name);
         std::vector<double> const measured = of_model.series.numbers(name);
         ASSERT_EQ(expected.size(), measured.size()) << name;
-        // The first sample has no interval before it. The engine tiled takes eight turns at a time and adds what they leave
-        // behind in another order than one by one.
+        // The first sample has no interval before it. The engine tiled takes eight turns at a time and adds what they
+        // leave behind in another order than one by one.
         for (std::size_t k = 1; k < expected.size(); ++k) {
           EXPECT_GT(expected[k], 0.0) << name;
           if (std::string(engine) == "stepped") {

@@ -40,7 +40,8 @@ OnProgress stopping_after(int chunks) {
   return [chunks, done = 0](Progress const&) mutable { return ++done < chunks; };
 }
 
-/// What the first sample that counts for averages begins: the first origin of the correlation, the measurements of structure.
+/// What the first sample that counts for averages begins: the first origin of the correlation, the measurements of
+/// structure.
 bool depends_on_equilibration(std::string const& column) {
   return column == "velocity_autocorrelation" || column.ends_with("_bond_orientation_order");
 }

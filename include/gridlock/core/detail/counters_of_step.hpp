@@ -9,12 +9,12 @@
 
 namespace gridlock {
 
-/// What tiles have counted in one step. Sums of floating-point numbers are exact until all tiles are in: so the tiles may come in any order
-/// and from any process, and the bits are the same.
+/// The counters of the tiles in one step. Sums of floating-point numbers are exact until all tiles are in: so the tiles
+/// may come in any order and from any process, and the bits are the same.
 class CountersOfStep {
  public:
   void add(Counters const& of_tile);
-  /// What other tiles have counted.
+  /// Adds the counters of other tiles.
   void add(CountersOfStep const& others);
 
   /// Adds all of it to the counters of a run, where each sum of the step is rounded once.

@@ -9,16 +9,18 @@
 
 namespace gridlock {
 
-/// The exact sum of any doubles, rounded once, to nearest even: the same bits for any order and any division of the terms.
+/// The exact sum of any doubles, rounded once, to nearest even: the same bits for any order and any division of the
+/// terms.
 ///
 ///     limb k counts units of 2^(32 k − 1075)     │ … │ limb k+1 │ limb k │ … │ limb 0 │
 ///     a term of 53 bits goes to two limbs            └ 32 bits apart, of 64 bits each: room for the carries of 1000 terms
 ///
-/// Infinities and NaN are those of a plain sum: +∞ with −∞ is NaN. Finite terms overflow only where their whole sum does. A
-/// sum that is zero is +0, as that of terms to a first +0.
-/// Cost: about 3 ns a term, 1 ns in a span of hundreds, as a plain sum; 552 bytes, trivially copyable, so that processes can send it.
-/// Source: R. M. Neal, Fast exact summation using small and large superaccumulators (2015), arXiv:1505.05571; U. W. Kulisch,
-/// Computer Arithmetic and Validity (2013).
+/// Infinities and NaN are those of a plain sum: +∞ with −∞ is NaN. Finite terms overflow only where their whole sum
+/// does. A sum that is zero is +0, as that of terms to a first +0.
+/// Cost: about 3 ns a term, 1 ns in a span of hundreds, as a plain sum; 552 bytes, trivially copyable, so that
+/// processes can send it.
+/// Source: R. M. Neal, Fast exact summation using small and large superaccumulators (2015), arXiv:1505.05571; U. W.
+/// Kulisch, Computer Arithmetic and Validity (2013).
 ///
 /// ```cpp
 /// ExactSum sum;
@@ -43,7 +45,8 @@ class ExactSum {
   /// All terms of another sum.
   void add(ExactSum const& other);
 
-  /// The sum in few numbers, for a message: it has one for each 32 bits between its highest bit and its lowest, and one more.
+  /// The sum in few numbers, for a message: it has one for each 32 bits between its highest bit and its lowest, and one
+  /// more.
   [[nodiscard]] std::vector<std::int64_t> packed() const;
   /// All terms of a sum that was packed.
   void add_packed(std::span<std::int64_t const> numbers);
@@ -83,8 +86,8 @@ class ExactSum {
   }
   /// A term that is zero, subnormal, infinite or no number.
   void add_rare(double term);
-  /// Leaves less than 2³² in the magnitude of every limb but the last. Carries are rounded towards zero, so that those of a negative sum
-  /// end where its bits do.
+  /// Leaves less than 2³² in the magnitude of every limb but the last. Carries are rounded towards zero, so that those
+  /// of a negative sum end where its bits do.
   void carry();
 
   std::array<std::int64_t, limbs> limbs_{};

@@ -11,8 +11,8 @@ namespace gridlock {
 void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 
-/// While it lives, what this thread asks allocate_large() for lies in one block of memory, one array behind the other and nothing
-/// else between, as long as it has room. The block goes with the last of them.
+/// While it lives, what this thread asks allocate_large() for lies in one block of memory, one array behind the other
+/// and nothing else between, as long as it has room. The block goes with the last of them.
 class SideBySide {
  public:
   explicit SideBySide(std::size_t room);
@@ -47,7 +47,8 @@ struct LargePageAllocator {
 template <class Value>
 using LargeArray = std::vector<Value, LargePageAllocator<Value>>;
 
-/// The same, but resize() leaves new elements as they are in memory: for numbers that are all written before they are read.
+/// The same, but resize() leaves new elements as they are in memory: for numbers that are all written before they are
+/// read.
 template <class Value>
 struct UninitializedPageAllocator : LargePageAllocator<Value> {
   template <class Other>

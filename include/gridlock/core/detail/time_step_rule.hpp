@@ -8,8 +8,8 @@
 
 namespace gridlock {
 
-/// Where the paper's rule, which has a time step, is known to mislead. See docs/explanation/paper.md, "Physics, or the time
-/// step?" and "In a periodic box".
+/// Where the paper's rule, which has a time step, is known to mislead. See docs/explanation/paper.md, "Physics, or the
+/// time step?" and "In a periodic box".
 struct TimeStepCaveats {
   static constexpr double largest_packing_fraction = 0.72;  ///< above it displacements can be wrong by factors
 

@@ -27,7 +27,8 @@ struct ExpectNothing {
   void operator()(std::size_t, std::size_t) const {}
 };
 
-/// visit_pairs() for scattered ones. By itself, or it would change how the loop over agents near each other in memory is compiled.
+/// visit_pairs() for scattered ones. By itself, or it would change how the loop over agents near each other in memory
+/// is compiled.
 template <class Visit, class Expect>
 [[gnu::noinline]] void visit_pairs_ahead(std::span<AgentPair const> pairs, Visit& visit, Expect& expect) {
   constexpr std::size_t ahead = 48;
@@ -39,8 +40,8 @@ template <class Visit, class Expect>
   }
 }
 
-/// Calls visit(i, j) for each pair of a portion. Where agents near each other have numbers far from each other, expect(i, j) is called some
-/// pairs before, to ask for memory.
+/// Calls visit(i, j) for each pair of a portion. Where agents near each other have numbers far from each other,
+/// expect(i, j) is called some pairs before, to ask for memory.
 template <class Visit, class Expect>
 void visit_pairs(std::span<AgentPair const> pairs, Visit& visit, Expect& expect) {
   if constexpr (!std::is_same_v<Expect, ExpectNothing>) {

@@ -20,8 +20,8 @@ namespace gridlock {
 ///     rows()    │ 7 │ 2 │ 5 │ 0 │ 9 │ …      those of column c in row r are rows()[first_of(c, r)] … rows()[first_of(c + 1, r) − 1]
 ///     cells       0   0   2   2   3
 ///
-/// Cells that follow one another in a row of cells are neighbours in memory: three ranges hold a 3×3 block. The agents of a window
-/// alone have the order that they have among all.
+/// Cells that follow one another in a row of cells are neighbours in memory: three ranges hold a 3×3 block. The agents
+/// of a window alone have the order that they have among all.
 class CellOrder {
  public:
   /// Sorts by counting, and returns the cells: where agents crowd those of `finer`, if it is given.
@@ -39,8 +39,8 @@ class CellOrder {
   }
   /// Rows of cells, of the window.
   [[nodiscard]] int cell_rows() const { return numbers_.rows(); }
-  /// Calls visit(column, row, first, end) for every cell with agents in the first_row-th … last before the end_row-th of these
-  /// rows of cells, in their order; its agents are rows()[first] … rows()[end − 1].
+  /// Calls visit(column, row, first, end) for every cell with agents in the first_row-th … last before the end_row-th
+  /// of these rows of cells, in their order; its agents are rows()[first] … rows()[end − 1].
   template <class Visit>
   void for_each_cell(int first_row, int end_row, Visit visit) const {
     cells_.for_each_in_rows(numbers_.columns(), first_row, end_row, [&](int column, int row, std::size_t place) {

@@ -31,8 +31,8 @@ constexpr std::size_t neighbour_slack = 8;
 
 /// Writes the rows that are near to `found`, in the order of the ranges, and returns how many there are.
 ///
-/// Which candidate is near is as good as random, so that no branch depends on it: eight are looked at at a time with AVX-512 or AVX2, four
-/// with SSE4 or NEON, chosen at run time; the same rows with any.
+/// Which candidate is near is as good as random, so that no branch depends on it: eight are looked at at a time with
+/// AVX-512 or AVX2, four with SSE4 or NEON, chosen at run time; the same rows with any.
 /// Cost: about 10 ns for six neighbours among seventeen candidates in three ranges.
 /// Contract: room for all candidates and neighbour_slack more; rows are below 2³².
 std::size_t find_neighbours(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found);

@@ -9,7 +9,7 @@
 
 namespace gridlock {
 
-/// What a search needs of a grid:
+/// A search needs these functions of a grid:
 ///
 /// - for_each_candidate(p, cutoff, visit): calls visit(j) once for every agent nearer to p than `cutoff`, and for some
 ///   that are farther: the caller measures the distance that counts.
@@ -23,7 +23,7 @@ concept SearchGrid = requires(Grid const same, Vector p, double cutoff, void (*v
   same.for_each_candidate_pair(cutoff, visit_pair, visit_pair);
 };
 
-/// What a grid must know of the agents it holds, named by their row in the population, so that every search works on
+/// A grid must know this of the agents it holds, named by their row in the population, so that every search works on
 /// any grid: LinkedGrid keeps the paper's lists, PackedGrid keeps the agents of a cell side by side in memory.
 ///
 /// - insert, erase, move: O(1), one agent appears, disappears, is somewhere else. A grid may copy the point, so move()

@@ -41,8 +41,8 @@ namespace gridlock {
 /// may be near; whoever visits the candidates measures the distance that counts in double precision. A distance
 /// between cells knows nothing of the edges of the box, so a periodic box costs nothing.
 ///
-/// A grid may store a window of the cells alone, as if the others were empty. Cells keep the numbers that they have in the
-/// whole box.
+/// A grid may store a window of the cells alone, as if the others were empty. Cells keep the numbers that they have in
+/// the whole box.
 ///
 /// Insert, erase and move cost O(1) whatever the size of the cell. Memory: 64 bytes for each cell and each further four
 /// agents, and for each cell of a column and two rows more, which are empty; 4 bytes for each agent.
@@ -57,9 +57,9 @@ class PackedGrid {
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
     std::uint16_t count;  ///< the first `count` slots are taken
-    /// Bit s belongs to the agent in slot s, with which it moves; it is 0 when an agent comes. The others but for `changed` stay as they
-    /// are. All are for the caller to write; `changed` is set in the first block of a cell whenever an agent comes into the cell or
-    /// leaves it.
+    /// Bit s belongs to the agent in slot s, with which it moves; it is 0 when an agent comes. The others but for
+    /// `changed` stay as they are. All are for the caller to write; `changed` is set in the first block of a cell
+    /// whenever an agent comes into the cell or leaves it.
     std::uint16_t marks;
     std::int32_t column;
     std::int32_t row;
@@ -88,7 +88,8 @@ class PackedGrid {
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Blocks behind the first ones of the cells, those included that are no longer in use.
   [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
-  /// Whether a cell has more agents than a block. Other threads may move agents meanwhile: it is right for the cells that they leave alone.
+  /// Whether a cell has more agents than a block. Other threads may move agents meanwhile: it is right for the cells
+  /// that they leave alone.
   [[nodiscard]] bool has_further_blocks() const {
     return std::atomic_ref(further_blocks_in_use_).load(std::memory_order_relaxed) != 0;
   }
@@ -110,8 +111,8 @@ class PackedGrid {
     ++size_;
   }
 
-  /// Inserts agents of one cell, which has none, such that for_each_in_cell() visits them in this order, as in another grid that it
-  /// visited. The order of an agent that comes later, or leaves, is as there, too.
+  /// Inserts agents of one cell, which has none, such that for_each_in_cell() visits them in this order, as in another
+  /// grid that it visited. The order of an agent that comes later, or leaves, is as there, too.
   template <class PlaceOf>
   void insert_in_order(std::span<std::uint32_t const> agents, PlaceOf place_of) {
     auto const insert_all = [&](std::span<std::uint32_t const> some) {
@@ -208,11 +209,13 @@ class PackedGrid {
   }
 
   /// Calls visit(j) once for every agent nearer to p than `cutoff`, and for a few that are farther, in the order in
-  /// which for_each_in_block() comes to them. Contract: the window, if there is one, holds that block, on the same side of the cell.
+  /// which for_each_in_block() comes to them. Contract: the window, if there is one, holds that block, on the same side
+  /// of the cell.
   template <class Visit>
   void for_each_candidate(Vector p, double cutoff, Visit visit) const;
 
-  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some that are farther; expect(i, j) before, as visit_pairs().
+  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some that are farther; expect(i, j) before, as
+  /// visit_pairs().
   template <class Visit, class Expect = ExpectNothing>
   void for_each_candidate_pair(double cutoff, Visit visit, Expect expect = {}) const {
     find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) { visit_pairs(pairs, visit, expect); });
@@ -227,7 +230,7 @@ class PackedGrid {
   /// Cost: O(agents + cells); for tests and audits.
   [[nodiscard]] bool is_consistent() const;
 
-  // What a search that knows more than a cutoff is made of; see src/grid/candidate_pairs.cpp for how it is used.
+  // A search that knows more than a cutoff is made of these; see src/grid/candidate_pairs.cpp for how.
 
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
@@ -252,11 +255,11 @@ class PackedGrid {
   [[nodiscard]] Block const& empty_block() const { return block_at(window_.end_column, window_.first_row); }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
   [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
-  /// How far the blocks of two rows are apart. Between walls all cells have their neighbours this far and one block away, in a periodic
-  /// box those that are not at an edge.
+  /// How far the blocks of two rows are apart. Between walls all cells have their neighbours this far and one block
+  /// away, in a periodic box those that are not at an edge.
   [[nodiscard]] std::ptrdiff_t blocks_in_row() const { return static_cast<std::ptrdiff_t>(stride_); }
-  /// The column and the row on either side, for block_at(): those of an empty cell beyond a wall, and beyond 0 or the last
-  /// one where the window goes on there.
+  /// The column and the row on either side, for block_at(): those of an empty cell beyond a wall, and beyond 0 or the
+  /// last one where the window goes on there.
   [[nodiscard]] int column_left_of(int column) const { return column == 0 ? left_of_first_ : column - 1; }
   [[nodiscard]] int column_right_of(int column) const {
     return column + 1 == layout_.columns() ? right_of_last_ : column + 1;

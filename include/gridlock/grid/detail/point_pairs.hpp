@@ -31,8 +31,8 @@ bool are_inside(PointsInBox const& points);
 ///
 /// Every grid finds the same pairs, each in an order of its own. Coordinates may be any finite numbers, also negative:
 /// in a periodic box they stand for the image inside, between walls for themselves.
-/// Contract: the grid holds the points where they are, and in a periodic box cutoff ≤ half the shorter side, or a second
-/// image of a point would be missed.
+/// Contract: the grid holds the points where they are, and in a periodic box cutoff ≤ half the shorter side, or a
+/// second image of a point would be missed.
 /// Cost: O(N · points per 3×3 block).
 template <SearchGrid Grid, class Visit>
 void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, Visit visit) {

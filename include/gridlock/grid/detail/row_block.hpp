@@ -41,8 +41,8 @@ class RowBlocks {
     return block;
   }
 
-  /// Half of the block: what comes after the cell to the right and in the next row, so that every pair of cells is seen from
-  /// one of the two. The first range begins with the cell itself. Contract: has_halves().
+  /// Half of the block: what comes after the cell to the right and in the next row, so that every pair of cells is seen
+  /// from one of the two. The first range begins with the cell itself. Contract: has_halves().
   [[nodiscard]] RowBlock after(int column, int row) const {
     int const columns = layout_.columns();
     int const rows = layout_.rows();

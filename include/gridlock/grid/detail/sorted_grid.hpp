@@ -14,10 +14,11 @@ namespace gridlock {
 
 class SortedPoints;
 
-/// Copies of the points in the order of their cells, for points that crowd: cells as fine as the cutoff, of which only the occupied ones
-/// are stored. Points that come to other cells are put there, and all are sorted anew where many do.
+/// Copies of the points in the order of their cells, for points that crowd: cells as fine as the cutoff, of which only
+/// the occupied ones are stored. Points that come to other cells are put there, and all are sorted anew where many do.
 ///
-/// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells are occupied.
+/// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells
+/// are occupied.
 class SortedGrid {
  public:
   using OnAgents = std::function<void(std::span<std::uint32_t const>)>;
@@ -30,8 +31,10 @@ class SortedGrid {
   SortedGrid& operator=(SortedGrid other) noexcept;
   ~SortedGrid();
 
-  /// Point i of as many is at (x[i], y[i]). Returns how many have come to other cells, or the number of all where these are many.
-  /// Contract: the points are finite. Cost: about that of a counting sort where many come to other cells, half as much where few do.
+  /// Point i of as many is at (x[i], y[i]). Returns how many have come to other cells, or the number of all where these
+  /// are many.
+  /// Contract: the points are finite. Cost: about that of a counting sort where many come to other cells, half as much
+  /// where few do.
   std::size_t move_all(std::span<double const> x, std::span<double const> y);
 
   /// As those of PackedGrid. Contract: the cutoff is at most the shorter side of a cell.

@@ -11,8 +11,8 @@
 
 namespace gridlock {
 
-/// Which cells of a rectangle are stored, and the place of each among those: all of them, or the occupied ones alone, so that cells may be
-/// far more than agents. Cells have the numbers row · columns + column.
+/// Which cells of a rectangle are stored, and the place of each among those: all of them, or the occupied ones alone,
+/// so that cells may be far more than agents. Cells have the numbers row · columns + column.
 ///
 ///     cells     0 1 2 3 4 5 6 7        bits  0 1 0 0 1 1 0 0
 ///     occupied    1     4 5            places  0     1 2      place_of(2) = place_of(3) = place_of(4) = 1
@@ -22,7 +22,8 @@ class StoredCells {
  public:
   enum class Which { all, occupied };
 
-  /// All of so many cells; or none of them, for add() or add_alone() of each that is occupied and find_places() afterwards.
+  /// All of so many cells; or none of them, for add() or add_alone() of each that is occupied and find_places()
+  /// afterwards.
   void clear(std::size_t cells, Which which) {
     count_ = which == Which::all ? cells : 0;
     words_.assign(which == Which::all ? 0 : cells / 64 + 1, {});
@@ -94,16 +95,16 @@ class StoredCells {
   std::size_t count_ = 0;
 };
 
-/// Cells as fine as a cutoff asks for, of which only the occupied are to be stored where agents crowd in a part of the box: 16 bytes for
-/// each agent at most. None where those of `layout`, of which all are stored, are nearly as fine.
+/// Cells as fine as a cutoff asks for, of which only the occupied are to be stored where agents crowd in a part of the
+/// box: 16 bytes for each agent at most. None where those of `layout`, of which all are stored, are nearly as fine.
 inline std::optional<CellLayout> layout_for_crowd(Box const& box, double cutoff, std::size_t agents,
                                                   CellLayout const& layout) {
   CellLayout const finer = layout_for_cutoff(box, cutoff, agents, 64.0);
   return finer.count() / 2 > layout.count() ? std::optional(finer) : std::nullopt;
 }
 
-/// Whether so many pairs in the same cell are a crowd: each agent shares its cell with four others and more, on average. Uniform ones,
-/// where cells are coarser than the cutoff, share it with at most two.
+/// Whether so many pairs in the same cell are a crowd: each agent shares its cell with four others and more, on
+/// average. Uniform ones, where cells are coarser than the cutoff, share it with at most two.
 inline bool is_crowd(std::uint64_t pairs_in_cells, std::size_t agents) { return pairs_in_cells > 2 * agents; }
 
 }  // namespace gridlock

@@ -66,9 +66,9 @@ class Tiling {
   /// the one of the lower colour comes first, so that the result is the same as going colour by colour.
   ///
   /// The first round has a piece of the system for each part, several rows of tiles long, in which colours 2 and 3 of a
-  /// row follow as soon as the rows of colours 0 and 1 on both sides are done: going colour by colour would bring all of
-  /// a large system from memory four times. The tiles that must come after one of another piece are left to later rounds,
-  /// colour by colour. In a small system, or for many threads, those are nearly all of colours 1 to 3.
+  /// row follow as soon as the rows of colours 0 and 1 on both sides are done: going colour by colour would bring all
+  /// of a large system from memory four times. The tiles that must come after one of another piece are left to later
+  /// rounds, colour by colour. In a small system, or for many threads, those are nearly all of colours 1 to 3.
   [[nodiscard]] std::vector<Round> rounds(std::size_t threads) const;
 
   /// A rectangle of tiles, which one of several processes takes care of.
@@ -85,9 +85,9 @@ class Tiling {
       }
     }
   };
-  /// The rounds of the tiles of a rectangle, always as many as there are colours and some of them empty: after each of them
-  /// the processes tell each other what they have changed. Tiles that must come after one of another process are left to
-  /// later rounds.
+  /// The rounds of the tiles of a rectangle, always as many as there are colours and some of them empty: after each of
+  /// them the processes tell each other what they have changed. Tiles that must come after one of another process are
+  /// left to later rounds.
   [[nodiscard]] std::vector<Round> rounds(Rectangle const& own, std::size_t threads) const;
 
  private:

@@ -14,8 +14,8 @@
 
 namespace gridlock {
 
-/// The agents of a tile that have not had their turn, in the order of their turns: class by class of cells three apart in
-/// both directions, and in a class first the agents with the lowest Id of every cell, then the second lowest, …
+/// The agents of a tile that have not had their turn, in the order of their turns: class by class of cells three apart
+/// in both directions, and in a class first the agents with the lowest Id of every cell, then the second lowest, …
 ///
 ///     classes    6 7 8 6 7 8     The agents of one class and one level have no neighbour in common, so their turns
 ///     of cells:  3 4 5 3 4 5     can be prepared together before any of them is taken.
@@ -27,8 +27,8 @@ class UpdateOrder {
  public:
   static constexpr std::size_t classes = 9;
 
-  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; take_pending(block), called once for
-  /// each block, has bit s set where the agent in slot s has not had its turn.
+  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; take_pending(block), called
+  /// once for each block, has bit s set where the agent in slot s has not had its turn.
   template <class Grid, class Ids, class TakePending>
   void find(Grid& grid, Tiling::Tile const& tile, Ids const& ids, TakePending take_pending) {
     auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
@@ -64,8 +64,8 @@ class UpdateOrder {
     }
   }
 
-  /// Adds the agents of a row of cells to three classes in turns. Which they are is as good as random, so nothing depends on
-  /// it but what is written. Cells in which several wait are left for sort_cells().
+  /// Adds the agents of a row of cells to three classes in turns. Which they are is as good as random, so nothing
+  /// depends on it but what is written. Cells in which several wait are left for sort_cells().
   template <class Grid, class TakePending>
   void add_row(std::size_t first_class, Grid& grid, Tiling::Tile const& tile, int row, TakePending take_pending) {
     // Kept out of memory, where one cell would wait for what the one before has written.
@@ -157,7 +157,7 @@ class UpdateOrder {
     for (std::size_t n = 1; n < rows.size(); ++n) levels[n].rows[levels[n].size++] = rows[n];
   }
 
-  // Of a set of slots: 1 where there is any in it, or several. Looked up, because a compiler makes a branch of a question.
+  // 1 where a set of slots has any, or several. Looked up, because a compiler makes a branch of a question.
   static constexpr std::array<std::uint8_t, (1U << PackedGrid::slots) + 1> any{0, 1, 1, 1, 1, 1, 1, 1, 1,
                                                                                1, 1, 1, 1, 1, 1, 1, 1};
   static constexpr std::array<std::uint8_t, (1U << PackedGrid::slots) + 1> several{0, 0, 0, 1, 0, 1, 1, 1, 0,

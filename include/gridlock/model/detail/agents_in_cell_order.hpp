@@ -24,7 +24,8 @@ class AgentsInCellOrder {
   /// The cells that the rows are in the order of.
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
 
-  /// Puts all agents into the order of their cells, and returns these: where agents crowd those of `finer`, if it is given.
+  /// Puts all agents into the order of their cells, and returns these: where agents crowd those of `finer`, if it is
+  /// given.
   CellLayout sort(Agents& agents, CellLayout const& layout, std::optional<CellLayout> const& finer = {}) {
     layout_ = order_.sort(layout, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_,
                           finer);
@@ -57,8 +58,8 @@ class AgentsInCellOrder {
   void begin_turns(std::size_t agents) { next_.resize(agents); }
   void copy_present(Agents const& agents, std::size_t row) { next_.copy(row, agents.values(), row); }
 
-  /// Parts of the rows whose turns one thread takes: bands of whole rows of cells. How many there are changes nothing, since
-  /// all commands are sorted afterwards.
+  /// Parts of the rows whose turns one thread takes: bands of whole rows of cells. How many there are changes nothing,
+  /// since all commands are sorted afterwards.
   [[nodiscard]] std::size_t bands() const {
     auto const cell_rows = static_cast<std::size_t>(order_.cell_rows());
     return thread_pool_.size() == 1 ? 1 : std::min(cell_rows, 16 * thread_pool_.size());

@@ -41,7 +41,8 @@ class ArrivedAgents {
     append_agents(message, message.next<std::uint64_t>(), ids_, values_);
   }
 
-  /// Puts them in the place of rows that are dropped, which come in order, and behind the last row; and closes what gaps are left.
+  /// Puts them in the place of rows that are dropped, which come in order, and behind the last row; and closes what
+  /// gaps are left.
   void put_into(LargeArray<Id>& ids, AllValues& values, std::span<std::uint32_t const> dropped) const {
     std::size_t next = 0;
     for (; next < ids_.size() && next < dropped.size(); ++next) put(ids, values, dropped[next], next);

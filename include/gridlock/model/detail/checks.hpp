@@ -47,7 +47,8 @@ std::string in_words(double number);
 /// A displacement that is not finite, or as long as a side of the box.
 [[noreturn, gnu::cold]] void throw_long_displacement(std::uint64_t step, Id agent, Vector displacement, Box const& box);
 
-/// A move of a local agent of a tiled model, from one point to another, to a cell that is not next to the one where its turn began.
+/// A move of a local agent of a tiled model, from one point to another, to a cell that is not next to the one where its
+/// turn began.
 [[noreturn, gnu::cold]] void throw_far_move(std::uint64_t step, Id agent, Vector from, Vector to);
 
 /// A search that does not lie within the cutoff that the model declares.

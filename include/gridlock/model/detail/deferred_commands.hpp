@@ -46,8 +46,8 @@ void remove_agents(Agents& agents, std::span<Id const> ids) {
 }
 
 /// Lets everything that was asked for take effect: first the deaths in the order of the Ids, then the births in the
-/// order of their parents' Ids, those of one parent as it asked for them. The state alone decides that order, so that also
-/// the names of the newborn are the same on any number of threads. Contract: an agent asks in one part only.
+/// order of their parents' Ids, those of one parent as it asked for them. The state alone decides that order, so that
+/// also the names of the newborn are the same on any number of threads. Contract: an agent asks in one part only.
 template <class Model>
 void apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> parts) {
   DeferredCommands<Model> all;

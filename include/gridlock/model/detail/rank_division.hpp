@@ -14,7 +14,8 @@
 
 namespace gridlock {
 
-/// The cells of a step of a synchronous model: coarse ones, and finer ones for agents that crowd, where those would help.
+/// The cells of a step of a synchronous model: coarse ones, and finer ones for agents that crowd, where those would
+/// help.
 struct CellsOfStep {
   CellLayout layout;
   std::optional<CellLayout> finer;
@@ -28,8 +29,8 @@ struct Rim {
 /// One as wide as a cutoff.
 Rim rim_of(CellLayout const& cells, double cutoff);
 
-/// Which rank takes care of which part of the box: a rectangle of cells each. A rank has to know the agents of its rectangle, and those
-/// of the rim around it.
+/// Which rank takes care of which part of the box: a rectangle of cells each. A rank has to know the agents of its
+/// rectangle, and those of the rim around it.
 class RankDivision {
  public:
   /// A rectangle for each rank, in columns and rows of the cells.

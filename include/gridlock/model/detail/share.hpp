@@ -50,12 +50,13 @@ struct ShareOrder {
   [[nodiscard]] CellLayout cells() const { return {box(), columns, rows}; }
 };
 
-/// Gives names to newborn agents, as one process does: takes the deaths of a step in the order of the Ids and the number of
-/// births. Only the leader knows which names are free.
+/// Gives names to newborn agents, as one process does: takes the deaths of a step in the order of the Ids and the
+/// number of births. Only the leader knows which names are free.
 using NameBirths = std::function<std::vector<Id>(std::span<Id const> deaths, std::size_t births)>;
 
-/// The agents that one rank has in the steps of a model, and the rim around them that others own; and what is the same for all
-/// schedules between two steps: who is born gets a name, who is dead goes, and each rank gets the agents that it has to know.
+/// The agents that one rank has in the steps of a model, and the rim around them that others own; and what is the same
+/// for all schedules between two steps: who is born gets a name, who is dead goes, and each rank gets the agents that
+/// it has to know.
 template <class Model>
 class AgentsOfShare {
  public:
@@ -199,7 +200,8 @@ class AgentsOfShare {
     return told;
   }
 
-  /// The newborn of all ranks get their names in the order of their parents' Ids, those of one parent as it asked for them.
+  /// The newborn of all ranks get their names in the order of their parents' Ids, those of one parent as it asked for
+  /// them.
   void name_births(Told const& told, IdSet const& dead, std::size_t first_newborn) {
     std::vector<Id> names;
     if (name_births_) names = name_births_(dead.sorted(), told.parents.size());
@@ -250,9 +252,9 @@ class AgentsOfShare {
     dropped_.clear();
   }
 
-  /// Lets what was asked for in the turns of the first `agents` rows take effect, on all ranks. False where a turn of any rank has failed.
-  /// find_movers() finds out which rows, the newborn behind those included, do not stay here, and who has to be told of which;
-  /// divide_anew(dead, told) may divide the agents anew before they travel.
+  /// Lets what was asked for in the turns of the first `agents` rows take effect, on all ranks. False where a turn of
+  /// any rank has failed. find_movers() finds out which rows, the newborn behind those included, do not stay here, and
+  /// who has to be told of which; divide_anew(dead, told) may divide the agents anew before they travel.
   template <class FindMovers, class DivideAnew>
   bool let_turns_take_effect(std::size_t agents, FindMovers find_movers, DivideAnew divide_anew) {
     Asked asked;
@@ -275,7 +277,8 @@ class AgentsOfShare {
     return true;
   }
 
-  /// Moves the agents of this rank into empty arrays: after the last step has taken effect, by complete_step(), or as they were before it.
+  /// Moves the agents of this rank into empty arrays: after the last step has taken effect, by complete_step(), or as
+  /// they were before it.
   template <class CompleteStep>
   void take_own_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values, CompleteStep complete_step) {
     if (does_step_count && has_turns_) complete_step();
@@ -313,8 +316,8 @@ class AgentsOfShare {
   Rows dropped_;                      ///< rows of the dead, of those who have left, and of the rim of before
 };
 
-/// The share that one rank has in the steps of a synchronous model: the agents of its rectangle of the box, and those within the cutoff
-/// of it that others own.
+/// The share that one rank has in the steps of a synchronous model: the agents of its rectangle of the box, and those
+/// within the cutoff of it that others own.
 ///
 ///     ┌ ─ ─ ─ ─ ─ ─ ─ ┐     A step: all own agents take their turns. Then all ranks tell each other who has died and who has
 ///       ┌───────────┐       had a child, the leader names the children, and each rank sends to its neighbours the agents that they
@@ -353,8 +356,8 @@ class ModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All ranks call it,
-  /// once, at the end.
+  /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All
+  /// ranks call it, once, at the end.
   void take_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values) {
     Base::take_own_agents(does_step_count, ids, values, [this] { complete_step(); });
   }

@@ -32,8 +32,8 @@ StepsOfModel steps_of(Communicator& ranks, Model const& model, World<Model> cons
           .cells = cells_of(model, world, ranks)};
 }
 
-/// The part of one rank in the steps of agents that ranks divide among them: the agents go from their homes to the rectangles in which they
-/// take turns, and come back. All ranks construct it and call bring_home() together.
+/// The part of one rank in the steps of agents that ranks divide among them: the agents go from their homes to the
+/// rectangles in which they take turns, and come back. All ranks construct it and call bring_home() together.
 template <class Model>
 class StepsFromHomes {
  public:
@@ -139,8 +139,8 @@ struct EndOfSteps {
   EventCounts<Model> events;
 };
 
-/// Moves agents on that ranks divide among them, of which this one leads: `own` has those whose home is here, `agents` is the number of
-/// all. The bits are those of one process. Errors: as ModelEngine::advance().
+/// Moves agents on that ranks divide among them, of which this one leads: `own` has those whose home is here, `agents`
+/// is the number of all. The bits are those of one process. Errors: as ModelEngine::advance().
 template <class Model>
 void lead_steps_from_homes(Communicator& ranks, Model const& model, StepsOfModel const& steps_of_model,
                            std::uint64_t threads, World<Model>& own, Counters& counters, std::size_t& agents,

@@ -67,8 +67,8 @@ struct AnswerOfShare {
   static std::tuple<std::uint64_t, Id> place_of(FailedTurn const& failure) { return {failure.cell, failure.agent}; }
 };
 
-/// Takes so many steps together with all other ranks, or as many as there are before a turn fails. Returns how many were begun, and what
-/// all ranks say of them, for the leader.
+/// Takes so many steps together with all other ranks, or as many as there are before a turn fails. Returns how many
+/// were begun, and what all ranks say of them, for the leader.
 template <class Share>
 std::pair<std::uint64_t, AnswerOfShare> take_steps(Communicator& ranks, Share& share, std::uint64_t steps) {
   std::uint64_t begun = 0;

@@ -23,8 +23,8 @@
 
 namespace gridlock {
 
-/// The share that one rank has in the steps of a tiled model: the agents of its tiles, and of the ring of cells around them that others
-/// own.
+/// The share that one rank has in the steps of a tiled model: the agents of its tiles, and of the ring of cells around
+/// them that others own.
 ///
 ///     ┌ ─ ─ ─ ─ ─ ─ ─ ┐     A step is four rounds, one for each colour of tiles. In a round the tiles of a rank change their own cells
 ///       ┌───────────┐       and the ring around them. Then it sends to each neighbour these cells as they are now, as far as that one
@@ -32,10 +32,11 @@ namespace gridlock {
 ///       └───────────┘       they are visited, so that it is that of one process on every rank.
 ///     └ ─ ─ ─ ring  ─ ┘
 ///
-/// Late agents take their turns one after the other, in the order of one process: the rank whose turn it is asks others for the cells
-/// that it comes to, and gives them back.
+/// Late agents take their turns one after the other, in the order of one process: the rank whose turn it is asks others
+/// for the cells that it comes to, and gives them back.
 ///
-/// Between two steps it is as for ModelShare. All ranks construct it and call take_step() together. The bits are those of one process.
+/// Between two steps it is as for ModelShare. All ranks construct it and call take_step() together. The bits are those
+/// of one process.
 template <class Model>
 class TiledModelShare final : public AgentsOfShare<Model> {
   using Base = AgentsOfShare<Model>;
@@ -480,7 +481,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Finds out which rows do not stay here, and who has to be told of which. The first `agents` rows are no newborn ones.
+  /// Finds out which rows do not stay here, and who has to be told of which. The first `agents` rows are no newborn
+  /// ones.
   void find_movers(std::size_t agents) {
     for (Rows& rows : rows_to_) rows.clear();
     dropped_.clear();

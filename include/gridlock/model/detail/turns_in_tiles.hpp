@@ -24,8 +24,9 @@ consteval bool has_late_turns() {
 
 /// A step of a tiled model: the turns of the agents of each tile, and those of agents that are late.
 ///
-/// Of turns that fail the first one counts: that of the tile with the lowest number. Tiles behind it need not be taken, since what comes
-/// before does not depend on them. So it is the same for any order of tiles that keeps the order of colours.
+/// Of turns that fail the first one counts: that of the tile with the lowest number. Tiles behind it need not be taken,
+/// since what comes before does not depend on them. So it is the same for any order of tiles that keeps the order of
+/// colours.
 template <class Model>
 class TurnsInTiles {
  public:
@@ -51,7 +52,8 @@ class TurnsInTiles {
   [[nodiscard]] Tiling const& tiling() const { return tiling_; }
   [[nodiscard]] TileResult const& result_of(std::uint32_t tile) const { return results_[tile]; }
 
-  /// Has the agents of a tile take their turns, save for those that are late. Tiles that Tiling allows may be taken at once.
+  /// Has the agents of a tile take their turns, save for those that are late. Tiles that Tiling allows may be taken at
+  /// once.
   void take_tile(Model const& model, Neighbourhood<Model> around, std::uint32_t tile) {
     TileResult& result = results_[tile];
     result = {.counters = {}, .late = std::move(result.late), .turns = 0, .failure = {}};
@@ -66,7 +68,8 @@ class TurnsInTiles {
     }
   }
 
-  /// Has the late agents of a tile take their turns. Contract: no turn has failed, and those of lower tiles have been taken.
+  /// Has the late agents of a tile take their turns. Contract: no turn has failed, and those of lower tiles have been
+  /// taken.
   void take_late(Model const& model, Neighbourhood<Model> around, std::uint32_t tile) {
     TileResult& result = results_[tile];
     around.counters = &result.counters;

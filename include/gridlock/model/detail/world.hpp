@@ -43,7 +43,8 @@ consteval bool has_shared_start() {
   };
 }
 
-/// How far an agent of the model searches: a number of the model alone, of its world, or of all agents. Where ranks divide the agents,
+/// How far an agent of the model searches: a number of the model alone, of its world, or of all agents. Where ranks
+/// divide the agents,
 /// `world` has those of this rank, and all ranks call it together.
 template <class Model>
 double cutoff_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {

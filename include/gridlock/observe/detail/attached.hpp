@@ -13,8 +13,8 @@ namespace gridlock {
 
 class Communicator;
 
-/// A value for each agent that was there at one time, such as its site at the start: it is found again by the Id of the agent,
-/// wherever its row is by then.
+/// A value for each agent that was there at one time, such as its site at the start: it is found again by the Id of the
+/// agent, wherever its row is by then.
 /// Cost: that of an IdIndex.
 template <class Value>
 class Attached {

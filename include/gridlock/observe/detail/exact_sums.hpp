@@ -11,8 +11,8 @@
 
 namespace gridlock {
 
-/// Adds the terms of agents 0 … agents − 1 to sums: terms_of(i) is one term for each sum. Exact, so that neither the order of the
-/// rows nor how they are divided changes a bit of what comes out.
+/// Adds the terms of agents 0 … agents − 1 to sums: terms_of(i) is one term for each sum. Exact, so that neither the
+/// order of the rows nor how they are divided changes a bit of what comes out.
 /// Cost: about 1 ns a term.
 template <std::size_t count, class TermsOf>
 void add_terms(std::array<ExactSum, count>& sums, std::size_t agents, TermsOf terms_of) {

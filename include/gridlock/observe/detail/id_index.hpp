@@ -14,8 +14,8 @@ namespace gridlock {
 /// The agents alive at one time, each with a fixed place in Id order, so that what was noted then can be compared
 /// with rows that have been reordered, born or removed since.
 /// Cost: one comparison where the Ids follow one another without a gap or a row is still in its place, O(log N)
-/// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do; 4 bytes an agent more where
-/// the rows were not in Id order.
+/// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do; 4 bytes an agent
+/// more where the rows were not in Id order.
 class IdIndex {
  public:
   static constexpr std::size_t not_found = static_cast<std::size_t>(-1);

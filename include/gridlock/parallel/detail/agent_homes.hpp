@@ -17,15 +17,16 @@
 
 namespace gridlock {
 
-/// The rank on which an agent is between steps, where agents come and go: a function of its name, so that everybody knows it, what is
-/// noted for an agent stays where it is, and each rank has about as many, however far the population grows.
+/// The rank on which an agent is between steps, where agents come and go: a function of its name, so that everybody
+/// knows it, what is noted for an agent stays where it is, and each rank has about as many, however far the population
+/// grows.
 inline std::size_t home_of(Id id, std::size_t ranks) { return static_cast<std::size_t>(id & 0xFFFFFFFFU) % ranks; }
 
 /// How many agents come to this rank, where each sends so many to each rank. All call it.
 std::uint64_t count_of_arrivals(Communicator& ranks, std::vector<std::uint64_t> leaving);
 
-/// Cuts all agents in the order of their Ids into a block for each rank, of as many each: the first Id of each block. `own` are those of
-/// this rank, in order. All call it. Cost: a round of messages for each bit of the largest Id.
+/// Cuts all agents in the order of their Ids into a block for each rank, of as many each: the first Id of each block.
+/// `own` are those of this rank, in order. All call it. Cost: a round of messages for each bit of the largest Id.
 std::vector<Id> first_ids_of_blocks(Communicator& ranks, std::span<Id const> own);
 
 template <class... Values>

@@ -7,8 +7,8 @@
 
 namespace gridlock {
 
-/// Does some work on all ranks, which call it together. Contract: where they send messages in between, what keeps one from its next message
-/// keeps all (not checked), or others wait for it for ever.
+/// Does some work on all ranks, which call it together. Contract: where they send messages in between, what keeps one
+/// from its next message keeps all (not checked), or others wait for it for ever.
 /// Errors: Error on all of them where there is one on any, that of the first.
 void agree_on_errors(Communicator& ranks, std::function<void()> const& work);
 

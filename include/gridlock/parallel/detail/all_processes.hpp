@@ -12,8 +12,8 @@ namespace gridlock {
 
 class Communicator;
 
-/// Makes sums and minima over the agents of one process those over the agents of all that share its run. All of them call each function, in the
-/// same order.
+/// Makes sums and minima over the agents of one process those over the agents of all that share its run. All of them
+/// call each function, in the same order.
 /// Cost: nothing where the process is alone; else a few short messages.
 class AllProcesses {
  public:
@@ -30,8 +30,8 @@ class AllProcesses {
   void sum(std::span<std::uint64_t> counts) const;
   [[nodiscard]] double min(double value) const;
 
-  /// Process after process changes one value of all in their order, and all get the result: so sums over rows in their order have the
-  /// bits of one process. change(value) works on it in place.
+  /// Process after process changes one value of all in their order, and all get the result: so sums over rows in their
+  /// order have the bits of one process. change(value) works on it in place.
   template <class Value, class Change>
   [[nodiscard]] Value change_in_order(Value value, Change change) const {
     static_assert(std::is_trivially_copyable_v<Value>);

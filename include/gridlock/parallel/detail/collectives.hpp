@@ -1,6 +1,7 @@
 #pragma once
 
-// Functions that all ranks of a communicator call together, in the same order. With one rank each returns its own argument and sends nothing.
+// Functions that all ranks of a communicator call together, in the same order. With one rank each returns its own
+// argument and sends nothing.
 
 #include <algorithm>
 #include <bit>
@@ -19,9 +20,10 @@ namespace gridlock {
 /// The message of each rank, by rank, on all ranks. Each sends and receives ⌈log₂ ranks⌉ messages.
 [[nodiscard]] std::vector<Message> all_gather(Communicator& ranks, Message own);
 
-/// Merges the messages of all ranks; the root gets the result, others nothing. Rank r gets the merged messages of ranks r + 1, r + 2,
-/// r + 4 … as far as they are in its part of the tree, and gives its own to the rank without its lowest bit: no rank receives more
-/// than ⌈log₂ ranks⌉ messages. merge(left, right) returns both as one message, and the ranks of `right` follow those of `left`.
+/// Merges the messages of all ranks; the root gets the result, others nothing. Rank r gets the merged messages of ranks
+/// r + 1, r + 2, r + 4 … as far as they are in its part of the tree, and gives its own to the rank without its lowest
+/// bit: no rank receives more than ⌈log₂ ranks⌉ messages. merge(left, right) returns both as one message, and the ranks
+/// of `right` follow those of `left`.
 ///
 ///     0 ◄─ 1    2 ◄─ 3        0 ◄─ 2        0 ◄─ 4
 template <class Merge>

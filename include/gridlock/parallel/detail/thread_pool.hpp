@@ -23,7 +23,8 @@ class ThreadPool {
   [[nodiscard]] std::size_t size() const { return size_; }
 
   /// Calls carry_out(part) once for every part below `parts`, from any thread, and returns when all are done.
-  /// Errors: the exception of the lowest part that threw one is thrown on, when all others are done too, whatever the number of threads.
+  /// Errors: the exception of the lowest part that threw one is thrown on, when all others are done too, whatever the
+  /// number of threads.
   void for_each(std::size_t parts, std::function<void(std::size_t)> const& carry_out);
 
  private:

@@ -22,8 +22,8 @@ struct ArrangedAgents {
   std::shared_ptr<void const> memory;  ///< of `own`
 };
 
-/// What one of several ranks has of the agents of a run that are divided among them: nobody has all. Of any model; the run itself is a
-/// DividedSimulation on the leader.
+/// What one of several ranks has of the agents of a run that are divided among them: nobody has all. Of any model; the
+/// run itself is a DividedSimulation on the leader.
 class AgentsOfRank {
  public:
   AgentsOfRank() = default;
@@ -44,7 +44,8 @@ class AgentsOfRank {
   [[nodiscard]] virtual std::uint64_t sum_of_hashes() const = 0;
   /// Of all ranks.
   [[nodiscard]] virtual std::size_t count() const = 0;
-  /// The rows that each rank has for the whole run, in the order of the Ids; nothing where agents come and go and have homes, see home_of().
+  /// The rows that each rank has for the whole run, in the order of the Ids; nothing where agents come and go and have
+  /// homes, see home_of().
   [[nodiscard]] virtual RowDivision const* rows() const { return nullptr; }
 
   /// What is measured of them.
@@ -59,7 +60,8 @@ class AgentsOfRank {
   virtual void bring_home() {}
   [[nodiscard]] virtual ArrangedAgents arranged() const = 0;
 
-  /// What every other rank does where the leader has sent a task of these agents alone: steps, searches. Whether it was one.
+  /// What every other rank does where the leader has sent a task of these agents alone: steps, searches. Whether it was
+  /// one.
   virtual bool carry_out(TaskOfRanks task, MessageReader& message) = 0;
 
   // The leader alone, which tells the others.

@@ -46,11 +46,11 @@ class ModelKind {
 
   [[nodiscard]] virtual std::string_view name() const = 0;
   [[nodiscard]] virtual std::string_view documentation() const = 0;
-  /// What its agents are called.
+  /// The name of its agents.
   [[nodiscard]] virtual std::string_view agents_name() const { return "agents"; }
-  /// What advances the agents: "model flocking", "engine exact".
+  /// The name of what advances the agents: "model flocking", "engine exact".
   [[nodiscard]] virtual std::string title(Configuration const& configuration) const = 0;
-  /// What the model calls the numbers 0, 1, 2 … of a column of its agents; empty where it gives them no names.
+  /// The names of the numbers 0, 1, 2 … of a column of its agents; empty where the model gives them none.
   [[nodiscard]] virtual std::vector<std::string> value_names(std::string_view column) const = 0;
 
   /// The tables of its settings, besides those of every run.
@@ -61,7 +61,7 @@ class ModelKind {
                                                       std::string_view key) const = 0;
   /// Whether more threads than one are of any use.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
-  /// What of a run several processes cannot share, SetupOptions::ranks, its setting and what to do about it; nothing where they can.
+  /// The part of a run that several processes cannot share, its setting and a hint; nothing where they can share all.
   [[nodiscard]] virtual std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const;
   /// Whether several processes divide the agents, so that none has all of them.
   [[nodiscard]] virtual bool is_divided_among_ranks(Configuration const& /*configuration*/) const { return false; }
@@ -79,7 +79,7 @@ class ModelKind {
     return {};
   }
 
-  /// What the agents will need memory for, as far as the settings say; on the low side.
+  /// The demands of the agents for memory, as far as the settings say; on the low side.
   [[nodiscard]] virtual std::vector<MemoryDemand> memory(Configuration const& configuration) const = 0;
   /// The bytes that a run of so many agents is expected to need.
   [[nodiscard]] virtual double expected_bytes(Configuration const& configuration, std::size_t agents) const = 0;
@@ -133,7 +133,7 @@ class ModelKinds {
 /// Hard disks, and those of the folder models/.
 ModelKinds shipped_models();
 
-/// What a Configuration knows from the start: the shipped ones and those that register_model() was told of.
+/// The models that a Configuration knows from the start: the shipped ones and those that register_model() was told of.
 ModelKinds known_models();
 /// Errors: Error where a model of that name is known already.
 void register_model(std::unique_ptr<ModelKind> kind);

@@ -23,14 +23,16 @@
 
 namespace gridlock {
 
-/// The agents of a model whose home is on this rank: all that lie in memory between steps. The leader knows which names are free.
+/// The agents of a model whose home is on this rank: all that lie in memory between steps. The leader knows which names
+/// are free.
 template <class Model>
 class ModelOfRank final : public AgentsOfRank {
  public:
   using Agents = typename World<Model>::Agents;
 
-  /// Makes the start, each rank its own agents where they are functions of their numbers, or those of a share; else the leader makes all, hands
-  /// them out and forgets them. All ranks call it. `blame(act)` calls act and says what of the settings is wrong.
+  /// Makes the start, each rank its own agents where they are functions of their numbers, or those of a share; else the
+  /// leader makes all, hands them out and forgets them. All ranks call it. `blame(act)` calls act and says what of the
+  /// settings is wrong.
   /// Errors: Error, on all ranks.
   ModelOfRank(Communicator& ranks, Model const& model, Box const& box, std::uint64_t seed, std::uint64_t threads,
               std::function<void(std::function<void()> const&)> const& blame)

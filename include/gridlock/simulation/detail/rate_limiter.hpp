@@ -8,8 +8,8 @@
 
 namespace gridlock {
 
-/// Rate limiter for loops whose iterations take an unpredictable time: is_due(), called once an iteration, returns true about
-/// once every `seconds`. Cost: a count, and a few readings of the clock between two such times.
+/// Rate limiter for loops whose iterations take an unpredictable time: is_due(), called once an iteration, returns true
+/// about once every `seconds`. Cost: a count, and a few readings of the clock between two such times.
 class RateLimiter {
  public:
   /// `now` tells seconds that never go back; for tests.
