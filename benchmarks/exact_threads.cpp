@@ -87,12 +87,12 @@ void measure(double packing_fraction, std::uint64_t n, bool is_crystal, std::uin
     gains.push_back(one.seconds.back() / many.seconds.back());
   }
   double const per_round = static_cast<double>(one.counters.pair_collisions - before) / rounds;
-  double const least_of_one = std::ranges::min(one.seconds);
-  double const least_of_many = std::ranges::min(many.seconds);
+  double const min_of_one = std::ranges::min(one.seconds);
+  double const min_of_many = std::ranges::min(many.seconds);
   bool const is_same = hash(one.state) == hash(many.state) && one.counters.pair_virial == many.counters.pair_virial;
   std::printf("%.2f,%.0f,%llu,%.1f,%.1f,%.2f,%.2f,%016llx,%s\n", packing_fraction, disks,
-              static_cast<unsigned long long>(threads), 1e9 * least_of_one / per_round, 1e9 * least_of_many / per_round,
-              least_of_one / least_of_many, median(gains), static_cast<unsigned long long>(hash(many.state)),
+              static_cast<unsigned long long>(threads), 1e9 * min_of_one / per_round, 1e9 * min_of_many / per_round,
+              min_of_one / min_of_many, median(gains), static_cast<unsigned long long>(hash(many.state)),
               is_same ? "same" : "DIFFERENT");
   std::fflush(stdout);
 }

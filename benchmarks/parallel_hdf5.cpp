@@ -18,7 +18,7 @@
 
 namespace {
 
-constexpr hsize_t most_rows_per_chunk = hsize_t{1} << 17;
+constexpr hsize_t max_rows_per_chunk = hsize_t{1} << 17;
 
 void require(bool is_good, char const* what) {
   if (is_good) return;
@@ -39,7 +39,7 @@ class Dataset {
       : type_(type), disks_(disks), components_(components) {
     std::array<hsize_t, 3> const extent{0, disks, components};
     std::array<hsize_t, 3> const most{H5S_UNLIMITED, H5S_UNLIMITED, components};
-    std::array<hsize_t, 3> const chunk{1, std::min(disks, most_rows_per_chunk), 1};
+    std::array<hsize_t, 3> const chunk{1, std::min(disks, max_rows_per_chunk), 1};
     hid_t const space = H5Screate_simple(3, extent.data(), most.data());
     hid_t const list = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_chunk(list, 3, chunk.data());

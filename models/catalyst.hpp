@@ -56,13 +56,13 @@ struct Catalyst {
   void describe(SettingVisitor& visitor) {
     static constexpr std::array<std::string_view, 3> reactions{"none", "a_with_b", "a_with_a"};
     auto const number = [&](std::string_view key, std::string_view unit, std::string_view text, double& value) {
-      visitor.visit({.key = key, .unit = unit, .documentation = text, .least = 0.0}, value);
+      visitor.visit({.key = key, .unit = unit, .documentation = text, .min = 0.0}, value);
     };
     visitor.visit({.key = "radius",
                    .unit = "length",
                    .documentation = "R of every molecule.",
-                   .least = 0.0,
-                   .least_is_allowed = false},
+                   .min = 0.0,
+                   .min_is_allowed = false},
                   radius);
     number("adsorption_rate", "1 / (area · time)", "k_A: tries of the species A.", adsorption_rate);
     number("adsorption_rate_b", "1 / (area · time)", "k_B: tries of the species B.", adsorption_rate_b);
@@ -74,18 +74,18 @@ struct Catalyst {
                reaction);
     visitor.visit({.key = "reaction_probability",
                    .documentation = "That a hop onto a partner makes both leave.",
-                   .least = 0.0,
-                   .most = 1.0},
+                   .min = 0.0,
+                   .max = 1.0},
                   reaction_probability);
-    visitor.visit({.key = "count", .documentation = "Molecules A at the start, at random places.", .most = 2e9}, count);
-    visitor.visit({.key = "count_b", .documentation = "Molecules B at the start, at random places.", .most = 2e9},
+    visitor.visit({.key = "count", .documentation = "Molecules A at the start, at random places.", .max = 2e9}, count);
+    visitor.visit({.key = "count_b", .documentation = "Molecules B at the start, at random places.", .max = 2e9},
                   count_b);
     visitor.visit({.key = "step_length",
                    .unit = "time",
                    .documentation = "Physical time of one step, in which any number of events happen, up to 10⁸ on "
                                     "average.",
-                   .least = 0.0,
-                   .least_is_allowed = false},
+                   .min = 0.0,
+                   .min_is_allowed = false},
                   step_length);
   }
 
@@ -93,16 +93,16 @@ struct Catalyst {
   void check(Box const& box) const {
     if (hop_rate > 0.0) require_displacement(box, hop, "hop");
     double const wanted = static_cast<double>(count) + static_cast<double>(count_b);
-    if (wanted > most_molecules(box)) {
-      throw too_many_molecules("the closest packing holds at most " + in_words(most_molecules(box)), box);
+    if (wanted > max_molecules(box)) {
+      throw too_many_molecules("the closest packing holds at most " + in_words(max_molecules(box)), box);
     }
     bool const grows = adsorption_rate + adsorption_rate_b > 0.0;
-    double const molecules = grows ? most_molecules(box) : wanted;
+    double const molecules = grows ? max_molecules(box) : wanted;
     double const rate = (adsorption_rate + adsorption_rate_b) * box.area() + molecules * (desorption_rate + hop_rate);
-    if (rate * step_length <= most_events) return;
+    if (rate * step_length <= max_events) return;
     throw Error({.what = "a step of " + in_words(step_length) + " of time would take up to " +
-                         in_words(rate * step_length) + " events, more than " + in_words(most_events),
-                 .hint = "use step_length = " + in_words(most_events / rate) + " or less, or smaller rates",
+                         in_words(rate * step_length) + " events, more than " + in_words(max_events),
+                 .hint = "use step_length = " + in_words(max_events / rate) + " or less, or smaller rates",
                  .key = "step_length"});
   }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count + count_b; }
@@ -174,11 +174,11 @@ struct Catalyst {
 
  private:
   /// One takes about 0.2 µs, and a run can be stopped between two steps only.
-  static constexpr double most_events = 1e8;
+  static constexpr double max_events = 1e8;
 
   /// How many points can lie at least a diameter apart: the closest packing, and at walls the inequality of Oler 1961,
   /// N ≤ (2/√3) A/d² + P/(2d) + 1.
-  [[nodiscard]] double most_molecules(Box const& box) const {
+  [[nodiscard]] double max_molecules(Box const& box) const {
     double const d = 2.0 * radius;
     double const closest = 2.0 / std::numbers::sqrt3 * (box.width() / d) * (box.height() / d);
     double const at_walls = box.is_periodic() ? 0.0 : (box.width() + box.height()) / d + 1.0;

@@ -50,10 +50,10 @@ struct ColloidInOrder {
     visitor.visit({.key = "step_length",
                    .unit = "σ / velocities.max",
                    .documentation = "Length of a time step, σ being the smallest diameter.",
-                   .least = 0.0,
-                   .least_is_allowed = false},
+                   .min = 0.0,
+                   .min_is_allowed = false},
                   step_length);
-    visitor.visit({.key = "substeps", .documentation = "Moves tried in a turn.", .least = 1, .most = 1e6}, substeps);
+    visitor.visit({.key = "substeps", .documentation = "Moves tried in a turn.", .min = 1, .max = 1e6}, substeps);
     visit_enum(
         visitor,
         {.key = "contact", .documentation = "Which pairs collide: every pair that meets, or only pairs that approach."},

@@ -46,34 +46,33 @@ struct Epidemic {
 
   void describe(SettingVisitor& visitor) {
     auto const rate = [&](std::string_view key, std::string_view text, double& value) {
-      visitor.visit({.key = key, .unit = "1 / time", .documentation = text, .least = 0.0}, value);
+      visitor.visit({.key = key, .unit = "1 / time", .documentation = text, .min = 0.0}, value);
     };
-    visitor.visit({.key = "count", .documentation = "Agents at the start.", .least = 1, .most = 2e9}, count);
-    visitor.visit({.key = "infected_at_start", .documentation = "Share of them.", .least = 0.0, .most = 1.0},
+    visitor.visit({.key = "count", .documentation = "Agents at the start.", .min = 1, .max = 2e9}, count);
+    visitor.visit({.key = "infected_at_start", .documentation = "Share of them.", .min = 0.0, .max = 1.0},
                   infected_at_start);
     visitor.visit({.key = "radius",
                    .unit = "length",
                    .documentation = "How far the disease reaches.",
-                   .least = 0.0,
-                   .least_is_allowed = false},
+                   .min = 0.0,
+                   .min_is_allowed = false},
                   radius);
     visitor.visit({.key = "speed",
                    .unit = "length / time",
                    .documentation = "Of every walker; a step is shorter than the box.",
-                   .least = 0.0},
+                   .min = 0.0},
                   speed);
     rate("turning_rate", "How often a walker takes a new direction.", turning_rate);
     rate("infection_rate", "β, for each infected agent within the radius.", infection_rate);
     rate("recovery_rate", "γ, of each infected agent.", recovery_rate);
     rate("turnover_rate", "μ: births and deaths, each, of each agent.", turnover_rate);
-    visitor.visit(
-        {.key = "most_agents", .documentation = "Above this number no agent is born.", .least = 1, .most = 2e9},
-        most_agents);
+    visitor.visit({.key = "most_agents", .documentation = "Above this number no agent is born.", .min = 1, .max = 2e9},
+                  most_agents);
     visitor.visit({.key = "step_length",
                    .unit = "time",
                    .documentation = "dt; every rate times dt is a probability, at most 1, and should be small.",
-                   .least = 0.0,
-                   .least_is_allowed = false},
+                   .min = 0.0,
+                   .min_is_allowed = false},
                   step_length);
   }
   void check(Box const& box) const {

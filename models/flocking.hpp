@@ -45,31 +45,31 @@ struct Flocking {
 
   void describe(SettingVisitor& visitor) {
     static constexpr std::array<std::string_view, 2> rules{"vicsek", "boids"};
-    visitor.visit({.key = "count", .documentation = "Agents.", .least = 1, .most = 2e9}, count);
+    visitor.visit({.key = "count", .documentation = "Agents.", .min = 1, .max = 2e9}, count);
     visit_enum(visitor, {.key = "rule", .documentation = "Alignment with noise, or alignment, cohesion, separation."},
                rules, rule);
     visitor.visit({.key = "radius",
                    .unit = "length",
                    .documentation = "How far an agent sees.",
-                   .least = 0.0,
-                   .least_is_allowed = false},
+                   .min = 0.0,
+                   .min_is_allowed = false},
                   radius);
     visitor.visit({.key = "speed",
                    .unit = "length / step",
                    .documentation = "Of every agent; a step is shorter than the box.",
-                   .least = 0.0},
+                   .min = 0.0},
                   speed);
     visitor.visit({.key = "noise",
                    .unit = "radian",
                    .documentation = "η of vicsek: headings turn by a random angle in [−η/2, η/2].",
-                   .least = 0.0,
-                   .most = 2.0 * std::numbers::pi},
+                   .min = 0.0,
+                   .max = 2.0 * std::numbers::pi},
                   noise);
     visitor.visit(
-        {.key = "separation", .unit = "length", .documentation = "Boids nearer than this keep apart.", .least = 0.0},
+        {.key = "separation", .unit = "length", .documentation = "Boids nearer than this keep apart.", .min = 0.0},
         separation);
     auto const factor = [&](std::string_view key, std::string_view text, double& value) {
-      visitor.visit({.key = key, .documentation = text, .least = -1e6, .most = 1e6}, value);
+      visitor.visit({.key = key, .documentation = text, .min = -1e6, .max = 1e6}, value);
     };
     factor("cohesion_factor", "How much boids come together.", cohesion_factor);
     factor("separation_factor", "How much boids keep apart.", separation_factor);

@@ -57,7 +57,7 @@ void FramePainter::widen_bar(Frame const& frame) {
 bool FramePainter::are_kinds() const {
   FrameColumn const* const column = first_.find(colour_);
   return column != nullptr && std::holds_alternative<std::vector<std::uint32_t>>(column->values) &&
-         most_ < static_cast<double>(most_kinds);
+         most_ < static_cast<double>(max_kinds);
 }
 
 template <class Visit>
@@ -72,8 +72,8 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
                                                : Colouring::values;
     picture.kind_names = kind_names_;
     picture.values = values;
-    picture.least = least_;
-    picture.most = most_;
+    picture.min = least_;
+    picture.max = most_;
     picture.bar_label = colour_ == "psi6" ? "|ψ6|" : colour_;
   } else if (colour_ == "neighbourhood") {
     double const side = 2.0 * radius_range(state.agents).largest;

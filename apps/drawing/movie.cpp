@@ -34,7 +34,7 @@ struct Format {
   std::string_view extension;
   std::string_view muxer;
   std::vector<std::string> encoding;
-  std::uint64_t most_rate = 240;
+  std::uint64_t max_rate = 240;
 };
 
 std::vector<Format> const& formats() {
@@ -66,9 +66,9 @@ Format const& format_of(MovieSettings const& settings) {
         .hint = "end the name in .mp4, .gif, .webm, .mov or .mkv",
         .key = "--output"});
   }
-  if (settings.rate > found->most_rate) {
+  if (settings.rate > found->max_rate) {
     throw Error(Problem{.what = fmt::format("{} frames a second are too many for a {} file", settings.rate, extension),
-                        .hint = fmt::format("use --rate {} or less, or another kind of file", found->most_rate),
+                        .hint = fmt::format("use --rate {} or less, or another kind of file", found->max_rate),
                         .key = "--rate"});
   }
   return *found;

@@ -20,10 +20,10 @@ namespace gridlock {
 namespace {
 
 constexpr double reference_width = 720.0;  // the picture width the sizes below are meant for
-constexpr std::uint32_t least_pixels = 16;
-constexpr std::uint32_t most_pixels = 16'384;
+constexpr std::uint32_t min_pixels = 16;
+constexpr std::uint32_t max_pixels = 16'384;
 constexpr double narrowest_cell = 4.0;  // pixels; the lines of a finer grid would hide the disks
-constexpr std::size_t most_species_colours = 6;
+constexpr std::size_t max_species_colours = 6;
 constexpr double tallest_picture = 2.0;  // height over width, where the box asks for more
 
 constexpr Colour white{1.0, 1.0, 1.0};
@@ -32,11 +32,11 @@ constexpr Colour unknown_value{0.75, 0.75, 0.75};
 
 /// The range of numbers that a colour bar shows.
 struct Scale {
-  double least = 0.0;
-  double most = 1.0;
+  double min = 0.0;
+  double max = 1.0;
 
   /// 0 at the least, 1 at the most; in halves, so that no difference overflows.
-  [[nodiscard]] double place_of(double value) const { return (0.5 * value - 0.5 * least) / (0.5 * most - 0.5 * least); }
+  [[nodiscard]] double place_of(double value) const { return (0.5 * value - 0.5 * min) / (0.5 * max - 0.5 * min); }
 };
 
 /// Where everything is, in pixels.
@@ -73,9 +73,9 @@ double list_width(std::vector<ColourName> const& names, std::string const& title
 }
 
 void check(State const& state, PictureSettings const& settings) {
-  if (settings.width < least_pixels || settings.width > most_pixels) {
+  if (settings.width < min_pixels || settings.width > max_pixels) {
     throw Error({.what = fmt::format("a picture width of {} pixels cannot be drawn", settings.width),
-                 .hint = fmt::format("use {} to {} pixels", least_pixels, most_pixels),
+                 .hint = fmt::format("use {} to {} pixels", min_pixels, max_pixels),
                  .key = "width"});
   }
   if (has_values(settings.colouring) && settings.values.size() != state.agents.size()) {
@@ -94,11 +94,11 @@ Arrangement arrange(Box const& box, PictureSettings const& settings, std::vector
   bool const has_side = has_bar(settings.colouring) || !names.empty();
   double const right = has_side ? beside * a.unit : margin;
   double const room = a.width - margin - right;
-  double const most_height = tallest_picture * a.width - top - margin;
-  a.pixels = std::min(room / box.width(), std::max(1.0, most_height) / box.height());
+  double const max_height = tallest_picture * a.width - top - margin;
+  a.pixels = std::min(room / box.width(), std::max(1.0, max_height) / box.height());
   a.box = {.width = a.pixels * box.width(), .height = a.pixels * box.height()};
-  double const least_height = has_side ? 160.0 * a.unit : 0.0;
-  double const content = std::max(a.box.height, least_height);
+  double const min_height = has_side ? 160.0 * a.unit : 0.0;
+  double const content = std::max(a.box.height, min_height);
   a.height = std::max(1.0, std::round(top + content + margin));
   a.box.x = margin + 0.5 * (room - a.box.width);
   a.box.y = top + 0.5 * (a.height - top - margin - a.box.height);
@@ -130,14 +130,14 @@ class DiskColours {
   /// The names of the colours, where they stand for single things.
   [[nodiscard]] std::vector<ColourName> names() const {
     std::vector<ColourName> names;
-    if (settings_.colouring == Colouring::radius && radii_.size() > 1 && radii_.size() <= most_species_colours) {
+    if (settings_.colouring == Colouring::radius && radii_.size() > 1 && radii_.size() <= max_species_colours) {
       for (double const radius : radii_) names.push_back({of_radius(radius), fmt::format("R = {:.4g}", radius)});
     }
     if (settings_.colouring != Colouring::kinds) return names;
-    double last = settings_.most.value_or(0.0);
+    double last = settings_.max.value_or(0.0);
     for (double const value : values_) last = std::max(last, value);
     std::size_t const count = std::max(settings_.kind_names.size(), static_cast<std::size_t>(last) + 1);
-    for (std::size_t kind = 0; kind < std::min(count, most_kinds); ++kind) {
+    for (std::size_t kind = 0; kind < std::min(count, max_kinds); ++kind) {
       bool const is_named = kind < settings_.kind_names.size();
       names.push_back(
           {of_kind(static_cast<double>(kind)), is_named ? settings_.kind_names[kind] : std::to_string(kind)});
@@ -171,33 +171,33 @@ class DiskColours {
   }
 
   void find_scale() {
-    Scale range{.least = 0.0, .most = -HUGE_VAL};
+    Scale range{.min = 0.0, .max = -HUGE_VAL};
     for (double const value : values_) {
       if (!std::isfinite(value)) continue;
-      range.least = std::min(range.least, value);
-      range.most = std::max(range.most, value);
+      range.min = std::min(range.min, value);
+      range.max = std::max(range.max, value);
     }
-    if (!(range.most >= range.least)) range = {};
-    if (settings_.colouring == Colouring::directions) range = {.least = -std::numbers::pi, .most = std::numbers::pi};
-    scale_ = widened({settings_.least.value_or(range.least), settings_.most.value_or(range.most)});
+    if (!(range.max >= range.min)) range = {};
+    if (settings_.colouring == Colouring::directions) range = {.min = -std::numbers::pi, .max = std::numbers::pi};
+    scale_ = widened({settings_.min.value_or(range.min), settings_.max.value_or(range.max)});
   }
 
   /// A range wide enough to be told apart from a single number.
   static Scale widened(Scale scale) {
-    double const size = std::max(std::abs(scale.least), std::abs(scale.most));
-    if (!(scale.most - scale.least > 1e-6 * size)) scale.most = scale.least + std::max(1.0, std::abs(scale.least));
+    double const size = std::max(std::abs(scale.min), std::abs(scale.max));
+    if (!(scale.max - scale.min > 1e-6 * size)) scale.max = scale.min + std::max(1.0, std::abs(scale.min));
     return scale;
   }
 
   [[nodiscard]] Colour of_radius(double radius) const {
     if (!std::isfinite(radius)) return unknown_value;
-    if (radii_.size() > most_species_colours) return viridis(scale_.place_of(radius));
+    if (radii_.size() > max_species_colours) return viridis(scale_.place_of(radius));
     auto const kind = std::ranges::lower_bound(radii_, radius) - radii_.begin();
     return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.35);
   }
 
   [[nodiscard]] static Colour of_kind(double kind) {
-    if (!(kind >= 0.0) || kind >= static_cast<double>(most_kinds)) return unknown_value;
+    if (!(kind >= 0.0) || kind >= static_cast<double>(max_kinds)) return unknown_value;
     return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.15);
   }
 
@@ -330,8 +330,8 @@ class Picture {
         draw_tick(std::exchange(place, place + 0.25), angle);
     } else {
       double const step = tick_step(scale);
-      double const first = std::ceil(scale.least / step - 1e-9);
-      for (double n = first; n * step <= scale.most + 1e-9 * step; ++n) {
+      double const first = std::ceil(scale.min / step - 1e-9);
+      for (double n = first; n * step <= scale.max + 1e-9 * step; ++n) {
         draw_tick(scale.place_of(n * step), fmt::format("{:.6g}", n * step + 0.0));  // the sum turns −0 into 0
       }
     }
@@ -358,7 +358,7 @@ class Picture {
 
   /// 1, 2 or 5 times a power of ten, for about five ticks.
   static double tick_step(Scale const& scale) {
-    double const rough = scale.most / 5.0 - scale.least / 5.0;
+    double const rough = scale.max / 5.0 - scale.min / 5.0;
     double const power = std::pow(10.0, std::floor(std::log10(rough)));
     double const share = rough / power;
     return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);

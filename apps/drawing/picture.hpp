@@ -18,10 +18,10 @@ enum class Colouring {
   neighbourhood,  ///< the grid cell of its centre, so that disks of adjacent cells differ
   values,         ///< a number given for each disk, such as its displacement, on a colour bar
   directions,     ///< an angle given for each disk, in radians, on a circle of colours
-  kinds,          ///< a whole number below most_kinds given for each disk, one colour for each
+  kinds,          ///< a whole number below max_kinds given for each disk, one colour for each
 };
 
-inline constexpr std::size_t most_kinds = 8;  ///< that colours can tell apart
+inline constexpr std::size_t max_kinds = 8;  ///< that colours can tell apart
 
 /// How a state is drawn.
 struct PictureSettings {
@@ -31,9 +31,9 @@ struct PictureSettings {
   std::uint64_t rows = 0;          ///< 0: none
   std::span<double const> values;  ///< values, directions, kinds: one for each row of state.agents; disks without a
                                    ///< finite value are grey
-  std::optional<double> least;  ///< where the colour bar begins; left out: the smallest value, or 0 if none is negative
-  std::optional<double> most;   ///< where it ends, or the last of the kinds listed; left out: the largest value
-  std::string bar_label;        ///< beside the colour bar
+  std::optional<double> min;  ///< where the colour bar begins; left out: the smallest value, or 0 if none is negative
+  std::optional<double> max;  ///< where it ends, or the last of the kinds listed; left out: the largest value
+  std::string bar_label;      ///< beside the colour bar
   std::vector<std::string> kind_names;  ///< of the kinds 0, 1, 2 …; one without a name is listed by its number
   std::string title;                    ///< one line of plain text above the box; empty: none
 };

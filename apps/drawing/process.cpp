@@ -23,7 +23,7 @@ namespace {
 
 using Instant = std::chrono::steady_clock::time_point;
 
-constexpr std::size_t most_errors = std::size_t{64} * 1024;
+constexpr std::size_t max_errors = std::size_t{64} * 1024;
 
 /// Throws unless a POSIX call that returns its error number succeeded.
 void require(int error_number, std::string const& program) {
@@ -180,7 +180,7 @@ void ChildProcess::read_errors() {
   std::array<char, 4096> buffer;
   ssize_t const length = read(errors_.number(), buffer.data(), buffer.size());
   if (length == 0 || (length < 0 && errno != EINTR && errno != EAGAIN)) errors_.close();
-  if (length > 0 && result_.errors.size() < most_errors) {
+  if (length > 0 && result_.errors.size() < max_errors) {
     result_.errors.append(buffer.data(), static_cast<std::size_t>(length));
   }
 }

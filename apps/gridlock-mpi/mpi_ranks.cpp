@@ -22,7 +22,7 @@ constexpr int tag_of_rest = 1;
 constexpr std::size_t bytes_of_first_part = std::size_t{1} << 15;
 
 /// Room that a rank has for messages that nobody has received yet.
-constexpr std::size_t most_bytes_sending = std::size_t{1} << 26;
+constexpr std::size_t max_bytes_sending = std::size_t{1} << 26;
 
 /// A few microseconds at full speed, then between other processes of this core, and in the end asleep: a rank that
 /// waits for a file to be written, or shares its core, takes nobody's time.
@@ -87,7 +87,7 @@ void MpiRanks::send(std::size_t to, Message message) {
   note_work(0, message.size());
   forget_sent();
   Patience patience;
-  while (!sending_.empty() && bytes_sending_ + message.size() > most_bytes_sending) {
+  while (!sending_.empty() && bytes_sending_ + message.size() > max_bytes_sending) {
     patience.wait();
     forget_sent();
   }

@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "columns are sent as they lie in memory");
 
-constexpr std::size_t most_open = 4;
+constexpr std::size_t max_open = 4;
 
 /// JSON knows no nan: what was not measured is null.
 Json number_or_null(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
@@ -82,7 +82,7 @@ H5mdReader const& FrameStore::reader(fs::path const& file) {
     return open_.front().reader;
   }
   if (found != open_.end()) open_.erase(found);
-  if (open_.size() >= most_open) open_.pop_back();
+  if (open_.size() >= max_open) open_.pop_back();
   open_.push_front({.file = file, .version = version, .reader = H5mdReader(file)});
   return open_.front().reader;
 }

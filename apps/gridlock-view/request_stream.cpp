@@ -61,10 +61,10 @@ bool RequestStream::wait(short events, int milliseconds) const {
   return false;
 }
 
-bool RequestStream::wait_for_bytes(Clock::time_point begin, int most_milliseconds) const {
+bool RequestStream::wait_for_bytes(Clock::time_point begin, int max_milliseconds) const {
   while (!is_stopping_) {
     auto const waited = std::chrono::duration_cast<milliseconds>(Clock::now() - begin).count();
-    if (waited >= most_milliseconds || (waited >= limits_.crowded_milliseconds && should_hurry_())) return false;
+    if (waited >= max_milliseconds || (waited >= limits_.crowded_milliseconds && should_hurry_())) return false;
     if (wait(POLLIN, slice)) return true;
   }
   return false;
@@ -77,11 +77,11 @@ RequestStream::Head RequestStream::read_head() {
   auto const begin = Clock::now();
   for (std::size_t searched = 0;;) {
     std::size_t const found = received_.find("\r\n\r\n", searched);
-    if (found != std::string::npos && found <= limits_.most_head_bytes) {
+    if (found != std::string::npos && found <= limits_.max_head_bytes) {
       end_ = found + 4;
       return kind_of(std::string_view(received_).substr(0, end_));
     }
-    if (received_.size() > limits_.most_head_bytes) return Head::too_large;
+    if (received_.size() > limits_.max_head_bytes) return Head::too_large;
     searched = received_.size() < 3 ? 0 : received_.size() - 3;
     if (!wait_for_bytes(begin, limits_.head_milliseconds)) return is_stopping_ ? Head::none : Head::too_slow;
     char bytes[4096];
@@ -101,8 +101,8 @@ void RequestStream::refuse(int status, char const* reason, char const* text) {
 void RequestStream::close() {
   // Closed with bytes unread, the connection would be reset, and the answer lost.
   shutdown(socket_, SHUT_WR);
-  constexpr int most_milliseconds = 500;
-  auto const end = Clock::now() + milliseconds(most_milliseconds);
+  constexpr int max_milliseconds = 500;
+  auto const end = Clock::now() + milliseconds(max_milliseconds);
   char bytes[4096];
   while (left_until(end) > 0 && !should_hurry_() && wait(POLLIN, slice)) {
     ssize_t const count = recv(socket_, bytes, sizeof(bytes), MSG_DONTWAIT);

@@ -50,7 +50,7 @@ class RequestStream final : public httplib::Stream {
   /// Waits for the socket; false when the time is over or the server stops.
   bool wait(short events, int milliseconds) const;
   /// The same for bytes of a request, from `begin` on; less long while other connections wait.
-  bool wait_for_bytes(Clock::time_point begin, int most_milliseconds) const;
+  bool wait_for_bytes(Clock::time_point begin, int max_milliseconds) const;
 
   socket_t socket_;
   ConnectionLimits limits_;

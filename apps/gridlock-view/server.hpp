@@ -11,12 +11,12 @@ namespace gridlock::view {
 
 /// How long a client may take, and how much it may send.
 struct ConnectionLimits {
-  std::size_t threads = 64;             ///< connections that are served at a time; others wait
-  std::size_t most_head_bytes = 65536;  ///< of a request line with its headers
-  int idle_milliseconds = 5000;         ///< until a request begins
-  int head_milliseconds = 5000;         ///< from its first byte to its last
-  int crowded_milliseconds = 200;       ///< for either while other connections wait
-  int write_milliseconds = 15000;       ///< until a client takes more of an answer
+  std::size_t threads = 64;            ///< connections that are served at a time; others wait
+  std::size_t max_head_bytes = 65536;  ///< of a request line with its headers
+  int idle_milliseconds = 5000;        ///< until a request begins
+  int head_milliseconds = 5000;        ///< from its first byte to its last
+  int crowded_milliseconds = 200;      ///< for either while other connections wait
+  int write_milliseconds = 15000;      ///< until a client takes more of an answer
 };
 
 /// An HTTP server on the loopback interface, for requests without a body.

@@ -103,10 +103,10 @@ Json local_order(Packing const& packing) {
 /// Up to two wave lengths a diameter, in rings as wide as the longest wave; of many disks fewer, so that it takes
 /// seconds.
 Table spectrum_of(Packing const& packing) {
-  constexpr double most_terms = 5e9;
+  constexpr double max_terms = 5e9;
   double const longest = std::max(packing.box.width(), packing.box.height());
   double const bound =
-      std::sqrt(8.0 * std::numbers::pi * most_terms / static_cast<double>(packing.size()) / packing.box.area());
+      std::sqrt(8.0 * std::numbers::pi * max_terms / static_cast<double>(packing.size()) / packing.box.area());
   double const largest = std::min(4.0 * std::numbers::pi / smallest_diameter(packing), bound);
   double const ring = 2.0 * std::numbers::pi / longest;
   auto const rings = static_cast<std::size_t>(std::clamp(largest / ring, 1.0, 1e6));

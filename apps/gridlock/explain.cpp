@@ -185,8 +185,8 @@ std::string meant_by(std::string const& key) {
   std::string nearest = nearest_setting(describing(configuration), key);
   if (nearest.empty()) nearest = nearest_name(key, names);
   if (!nearest.empty()) return nearest;
-  constexpr std::size_t least_letters = 3;
-  if (key.size() < least_letters) return "";
+  constexpr std::size_t min_letters = 3;
+  if (key.size() < min_letters) return "";
   for (std::string& setting : setting_keys(describing(configuration))) names.push_back(std::move(setting));
   std::erase_if(names, [&](std::string const& name) { return name.find(key) == std::string::npos; });
   std::ranges::sort(names);

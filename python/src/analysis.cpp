@@ -45,7 +45,7 @@ nb::object arrays_of(Dynamics const& dynamics, std::vector<Estimate> DynamicsOfK
 }
 
 NamedValues dynamics(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
-                     double wave_number, double overlap_length, std::size_t most_lags, bool keeps_drift,
+                     double wave_number, double overlap_length, std::size_t max_lags, bool keeps_drift,
                      std::uint64_t threads) {
   Dynamics found;
   {
@@ -57,7 +57,7 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
                            .kinds = span_of(kinds)},
                           {.wave_number = wave_number,
                            .overlap_length = overlap_length,
-                           .most_lags = most_lags,
+                           .max_lags = max_lags,
                            .keeps_drift = keeps_drift,
                            .threads = threads});
   }

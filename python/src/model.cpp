@@ -171,8 +171,8 @@ class PythonModelKind final : public detail::AgentsKind {
     SettingInfo const info{.key = setting.key,
                            .unit = setting.unit,
                            .documentation = setting.documentation,
-                           .least = setting.least,
-                           .most = setting.most};
+                           .min = setting.min,
+                           .max = setting.max};
     if (setting.choices.empty()) {
       std::visit([&](auto& value) { visitor.visit(info, value); }, setting.value);
       return;

@@ -61,7 +61,7 @@ void add_stiffness(NamedValues& result, std::optional<ElasticModuli> const& modu
         nb::make_tuple(moduli->xxxx, moduli->yyyy, moduli->xyxy, moduli->xxyy, moduli->xxxy, moduli->yyxy);
     result["bulk_modulus"] = moduli->bulk();
     result["shear_modulus"] = moduli->shear();
-    result["least_shear_modulus"] = moduli->least_shear();
+    result["least_shear_modulus"] = moduli->min_shear();
   }
   if (mode) {
     std::vector<double> displacement;

@@ -213,7 +213,7 @@ struct LagSums {
 class Walk {
  public:
   Walk(TrajectoryInMemory const& trajectory, DynamicsSettings const& settings)
-      : trajectory_(trajectory), settings_(settings), lags_(lags_between(trajectory.times, settings.most_lags)) {
+      : trajectory_(trajectory), settings_(settings), lags_(lags_between(trajectory.times, settings.max_lags)) {
     for (FramesOfLag const& frames : lags_) independent_.push_back(independent_pairs(frames, trajectory.times));
     if (settings.wave_number > 0.0) bessel_.emplace();
     drift_.assign(trajectory.frames, Vector{});

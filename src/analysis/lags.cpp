@@ -13,7 +13,7 @@ namespace gridlock {
 namespace {
 
 /// Above it the pairs of frames take more than 256 MiB.
-constexpr std::size_t most_uneven_frames = 8192;
+constexpr std::size_t max_uneven_frames = 8192;
 
 /// The shortest time between frames. Errors: as lags_between().
 double shortest_gap(std::span<double const> times) {
@@ -73,9 +73,9 @@ std::vector<FramesOfLag> even_lags(std::span<double const> times, std::size_t mo
 }
 
 std::vector<FramesOfLag> uneven_lags(std::span<double const> times, std::size_t most, double tolerance) {
-  if (times.size() > most_uneven_frames) {
+  if (times.size() > max_uneven_frames) {
     throw Error({.what = fmt::format("{} frames are not even in time", times.size()),
-                 .hint = fmt::format("use at most {} such frames, or frames that are even", most_uneven_frames)});
+                 .hint = fmt::format("use at most {} such frames, or frames that are even", max_uneven_frames)});
   }
   auto const lag_of = [&](FramesOfLag::Pair const& pair) { return times[pair.second] - times[pair.first]; };
   std::vector<FramesOfLag::Pair> pairs;

@@ -18,7 +18,7 @@ namespace gridlock {
 namespace {
 
 constexpr std::size_t batch = 8;
-constexpr std::size_t most_bins = 10'000'000;  ///< of all pairs of kinds
+constexpr std::size_t max_bins = 10'000'000;  ///< of all pairs of kinds
 
 /// How distances become bins: bin `bins` is for all that are not in the range.
 struct Binning {
@@ -139,12 +139,12 @@ void require(Box const& box, PointsInMemory const& points, double range, std::si
                  .hint = "give one kind for each point"});
   }
   std::size_t const count = kinds.empty() ? 1 : std::size_t{1} + std::ranges::max(kinds);
-  if (bins >= 1 && count <= most_bins && bins <= most_bins / (count * count)) return;
+  if (bins >= 1 && count <= max_bins && bins <= max_bins / (count * count)) return;
   throw Error(
       {.what = fmt::format("a pair correlation of {} kinds in {} bins", count, bins),
        .hint = fmt::format("use at least one bin, and at most {} of all pairs of kinds together: radii that are nearly "
                            "equal can be one kind",
-                           most_bins)});
+                           max_bins)});
 }
 
 /// g of counts of pairs that were seen from either point.

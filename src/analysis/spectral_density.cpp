@@ -18,8 +18,8 @@ namespace gridlock {
 namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr std::size_t most_bins_of_spectrum = 10'000'000;
-constexpr double most_vectors = 1e8;
+constexpr std::size_t max_bins_of_spectrum = 10'000'000;
+constexpr double max_vectors = 1e8;
 
 /// Disks in the order of their radii, so that those of one radius share a form factor.
 struct SortedDisks {
@@ -132,13 +132,13 @@ void require_spectrum(Box const& box, PointsInMemory const& points, std::span<do
   }
   if (!(largest > 0.0) || !std::isfinite(largest))
     refuse(fmt::format("the largest wave number is {}", largest), "use a number above 0");
-  if (bins == 0 || bins > most_bins_of_spectrum)
-    refuse(fmt::format("the spectral density has {} bins", bins), fmt::format("use 1 to {}", most_bins_of_spectrum));
+  if (bins == 0 || bins > max_bins_of_spectrum)
+    refuse(fmt::format("the spectral density has {} bins", bins), fmt::format("use 1 to {}", max_bins_of_spectrum));
   // Half of the circle.
   double const vectors = 0.5 * std::numbers::pi * largest * largest * box.area() / (two_pi * two_pi);
-  if (vectors > most_vectors) {
+  if (vectors > max_vectors) {
     refuse(
-        fmt::format("{:.3g} wave vectors are shorter than {:.6g}; the most is {:.0g}", vectors, largest, most_vectors),
+        fmt::format("{:.3g} wave vectors are shorter than {:.6g}; the most is {:.0g}", vectors, largest, max_vectors),
         "use a smaller largest wave number");
   }
 }

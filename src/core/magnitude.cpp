@@ -10,7 +10,7 @@ namespace gridlock {
 namespace {
 
 /// Positions along the longer side are rounded to 16 digits of it; the shorter side must stay far above that.
-constexpr double most_elongated = 1e10;
+constexpr double max_elongated = 1e10;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ std::optional<Problem> find_extreme_sides(Box const& box) {
                    .hint = magnitude_hint,
                    .key = "box"};
   }
-  if (longer / shorter > most_elongated) {
+  if (longer / shorter > max_elongated) {
     return Problem{.what = "the box of " + sides() + " is too elongated to compute with",
                    .hint = "make the longer side at most 1e10 times the shorter one",
                    .key = "box"};

@@ -8,12 +8,12 @@
 namespace gridlock {
 
 /// The engines multiply up to four lengths, speeds and masses, and divide by as many.
-inline constexpr double least_magnitude = 1e-60;
-inline constexpr double most_magnitude = 1e60;
+inline constexpr double min_magnitude = 1e-60;
+inline constexpr double max_magnitude = 1e60;
 inline constexpr char const* magnitude_hint =
     "lengths, masses and the largest speed lie from 1e-60 to 1e60; choose other units";
 
-inline bool has_bounded_magnitude(double value) { return value >= least_magnitude && value <= most_magnitude; }
+inline bool has_bounded_magnitude(double value) { return value >= min_magnitude && value <= max_magnitude; }
 
 /// The reason why a box cannot be computed with: sides too large, too small, or too different from each other.
 std::optional<Problem> find_extreme_sides(Box const& box);

@@ -31,7 +31,7 @@ using Block = PackedGrid::Block;
 
 constexpr std::size_t most = PackedTurns::largest_batch;
 /// Sub-steps are counted in double precision.
-constexpr std::uint64_t most_substeps = 1'000'000'000;
+constexpr std::uint64_t max_substeps = 1'000'000'000;
 
 using Doubles = hn::CappedTag<double, 8>;
 constexpr std::size_t lanes = hn::MaxLanes(Doubles());
@@ -654,7 +654,7 @@ class BatchedMoves {
 }  // namespace
 
 void take_batch(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count) {
-  if (turns.substeps() > most_substeps) {
+  if (turns.substeps() > max_substeps) {
     take_batch_scalar(turns, order, first, count);
   } else {
     BatchedMoves(turns, order, first, count).take();

@@ -88,27 +88,27 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
                  .documentation = "Length of one time step.",
-                 .least = 0.0,
-                 .most = 1e6,
-                 .least_is_allowed = false},
+                 .min = 0.0,
+                 .max = 1e6,
+                 .min_is_allowed = false},
                 settings.time_step);
   visitor.visit({.key = "speed",
                  .unit = "length / time",
                  .documentation = "The speed that time_step refers to.",
-                 .least = 0.0,
-                 .most = most_magnitude,
+                 .min = 0.0,
+                 .max = max_magnitude,
                  .default_note = "velocities.max"},
                 settings.speed);
   visitor.visit({.key = "substeps",
                  .documentation = "Equal parts of a time step in which a disk tries to move.",
-                 .least = 1,
-                 .most = 1e6},
+                 .min = 1,
+                 .max = 1e6},
                 settings.substeps);
   visitor.visit(
       {.key = "cells",
        .documentation = "k: the linked lists divide the box into k × k cells (the paper calls a cell a neighbourhood).",
-       .least = 1,
-       .most = 46340,
+       .min = 1,
+       .max = 46340,
        .default_note = "as many as keep the 3×3 block wide enough for every collision of one step"},
       settings.cells);
   visit_enum(visitor,
@@ -133,7 +133,7 @@ void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
                  .documentation =
                      "How many threads exact, tiled and the models use; any number gives the same bits, and 0 is all "
                      "cores that the process may use.",
-                 .most = 1024},
+                 .max = 1024},
                 settings.threads);
 }
 

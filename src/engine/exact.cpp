@@ -51,7 +51,7 @@ void require_room_between_walls(State const& state, double rounding) {
 /// from the zero of an epoch, in which a disk of the root mean square speed crosses two cells: one that is s times as
 /// fast overlaps by up to s · 4 · 2⁻⁵³ · 2 cells. Measured is a tenth of that, 1.3 · 10⁻¹² of contact at s = 2 · 10⁴.
 void require_masses_of_like_size(State const& state) {
-  constexpr double most_speed_ratio = 1000.0;
+  constexpr double max_speed_ratio = 1000.0;
   auto const masses = state.agents.column<Mass>();
   if (masses.empty()) return;
   double squared_speeds = 0.0;
@@ -59,17 +59,17 @@ void require_masses_of_like_size(State const& state) {
   double const lightest = *std::ranges::min_element(masses);
   double const heaviest = *std::ranges::max_element(masses);
   double const square_of_ratio = 2.0 * kinetic_energy(state.agents) / (lightest * squared_speeds);
-  if (!(square_of_ratio > most_speed_ratio * most_speed_ratio)) return;
+  if (!(square_of_ratio > max_speed_ratio * max_speed_ratio)) return;
   throw Error(
       {.what = fmt::format("with masses from {:.6g} to {:.6g} collisions would make the lightest disks {:.3g} "
                            "times as fast as the others are now; above {} times overlaps are more than rounding",
-                           lightest, heaviest, std::sqrt(square_of_ratio), most_speed_ratio),
+                           lightest, heaviest, std::sqrt(square_of_ratio), max_speed_ratio),
        .hint = "use masses less than a million times apart",
        .key = "disks.species"});
 }
 
 /// Strips of fewer disks would be all border.
-constexpr std::size_t least_disks_to_share = 5000;
+constexpr std::size_t min_disks_to_share = 5000;
 
 }  // namespace
 
@@ -135,7 +135,7 @@ void ExactEngine::start_from(State const& state) {
 
 void ExactEngine::make_dynamics(State const& state) {
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
-  if (threads_ == nullptr && state.agents.size() >= least_disks_to_share) {
+  if (threads_ == nullptr && state.agents.size() >= min_disks_to_share) {
     threads_ = std::make_unique<ThreadPool>(thread_count_);
   }
   dynamics_ = std::make_unique<exact::Dynamics>(state, exact::DynamicsOptions{.sharing = {.threads = threads_.get()}});

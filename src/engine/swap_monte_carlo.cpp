@@ -16,10 +16,10 @@ namespace gridlock {
 namespace {
 
 constexpr double first_step = 0.1;                              // in mean diameters
-constexpr double least_step = 1e-12;                            // in mean diameters
+constexpr double min_step = 1e-12;                              // in mean diameters
 constexpr double wanted_acceptance = 0.4;                       // of displacements
 constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // their share accepted is known to 0.015
-constexpr std::uint64_t most_stages = std::uint64_t{1} << 24;
+constexpr std::uint64_t max_stages = std::uint64_t{1} << 24;
 constexpr double enough_relaxation_times = 10.0;
 
 void require(bool holds, std::string what, std::string hint, std::string key) {
@@ -27,7 +27,7 @@ void require(bool holds, std::string what, std::string hint, std::string key) {
 }
 
 void require_bounds(SwapSettings const& settings) {
-  require(settings.sweeps >= 1 && settings.sweeps <= most_sweeps,
+  require(settings.sweeps >= 1 && settings.sweeps <= max_sweeps,
           fmt::format("{} sweeps of swap Monte Carlo cannot be made", settings.sweeps),
           "use 1 to 10¹²; 100000 are a beginning", "swap.sweeps");
   require(settings.swap_fraction >= 0.0 && settings.swap_fraction < 1.0,
@@ -41,8 +41,8 @@ void require_bounds(SwapSettings const& settings) {
             fmt::format("a displacement of up to {} diameters is no move", *settings.step),
             "use a positive number, or leave it out", "swap.step");
   }
-  require(settings.stage < most_stages, fmt::format("there is no stage {} of swap Monte Carlo", settings.stage),
-          fmt::format("use a number below {}", most_stages), "swap.stage");
+  require(settings.stage < max_stages, fmt::format("there is no stage {} of swap Monte Carlo", settings.stage),
+          fmt::format("use a number below {}", max_stages), "swap.stage");
 }
 
 double mean_diameter(State const& state) {
@@ -90,7 +90,7 @@ struct SwapMonteCarlo::Progress {
   void adjust_step() {
     if (adjusting.displacements < displacements_of_an_adjustment) return;
     double const accepted = *share(adjusting.accepted_displacements, adjusting.displacements);
-    step = std::clamp(step * std::clamp(accepted / wanted_acceptance, 0.5, 2.0), least_step * diameter, longest_step);
+    step = std::clamp(step * std::clamp(accepted / wanted_acceptance, 0.5, 2.0), min_step * diameter, longest_step);
     adjusting = {};
   }
 
@@ -139,7 +139,7 @@ SwapMonteCarlo& SwapMonteCarlo::operator=(SwapMonteCarlo&& other) noexcept = def
 bool SwapMonteCarlo::advance(State& state, std::function<bool()> const& should_continue) {
   Progress& progress = *progress_;
   SwapTrials trials(state);
-  std::uint64_t const first_number = progress.settings.stage * (most_sweeps + 1);
+  std::uint64_t const first_number = progress.settings.stage * (max_sweeps + 1);
   while (progress.sweep < progress.settings.sweeps) {
     progress.take_sweep(trials, first_number);
     if (should_continue && !should_continue()) break;

@@ -67,16 +67,16 @@ std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row
 }
 
 void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& buffer) {
-  constexpr std::size_t most_at_once = 64;
+  constexpr std::size_t max_at_once = 64;
   std::span<SeenBlock const> const seen = blocks_seen_from(half, column, row);
   float const limit = half.limit;
   Block const* home = seen.front().block;
   for (std::size_t k = 0;; ++k) {
     for (std::uint32_t s = 0; s < home->count; ++s) {
       unsigned allowed = later_slots[s];
-      for (std::size_t first = k; first < seen.size(); first += most_at_once) {
-        PairBuffer::Pair* pair = buffer.room_for(PackedGrid::slots * most_at_once);
-        for (SeenBlock const& other : seen.subspan(first, std::min(most_at_once, seen.size() - first))) {
+      for (std::size_t first = k; first < seen.size(); first += max_at_once) {
+        PairBuffer::Pair* pair = buffer.room_for(PackedGrid::slots * max_at_once);
+        for (SeenBlock const& other : seen.subspan(first, std::min(max_at_once, seen.size() - first))) {
           LocalPoint const p{home->x[s] + other.shift_x, home->y[s] + other.shift_y};
           pair = write_pairs(home->agent[s], *other.block, near_slots(*other.block, p, limit) & allowed, pair);
           allowed = ~0U;

@@ -68,7 +68,7 @@ void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& 
 
 /// The most blocks beside its own an agent looks at in kernels for wide registers; more, which takes hundreds of agents
 /// nearby, are for the scalar version.
-constexpr std::size_t most_blocks_seen = 32;
+constexpr std::size_t max_blocks_seen = 32;
 
 /// A kernel: the candidates of a row of cells.
 using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);

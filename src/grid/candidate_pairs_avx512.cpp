@@ -79,13 +79,13 @@ GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs(Block const& home, std::uin
   return pair + count;
 }
 
-/// The pairs of a cell that looks at up to most_blocks_seen blocks.
+/// The pairs of a cell that looks at up to max_blocks_seen blocks.
 GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock const> seen, __m512 limit,
                                        PairBuffer& buffer) {
   Block const* home = seen.front().block;
   // Fills the last register where the blocks are no multiple of four.
   SeenBlock const nobody{&grid.empty_block(), 0.0F, 0.0F};
-  std::array<FourBlocks, most_blocks_seen / 4> fours;
+  std::array<FourBlocks, max_blocks_seen / 4> fours;
   for (std::size_t k = 1;; ++k) {
     std::size_t count = 0;
     for (std::size_t first = k; first < seen.size(); first += 4) {
@@ -97,7 +97,7 @@ GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlo
       ++count;
     }
     for (std::uint32_t s = 0; s < home->count; ++s) {
-      PairBuffer::Pair* pair = buffer.room_for(PackedGrid::slots * (most_blocks_seen + 1));
+      PairBuffer::Pair* pair = buffer.room_for(PackedGrid::slots * (max_blocks_seen + 1));
       pair = write_pairs_at_home(*home, s, limit, pair);
       for (std::size_t n = 0; n < count; ++n) pair = write_pairs(*home, s, fours[n], limit, pair);
       buffer.keep_until(pair);
@@ -121,7 +121,7 @@ GRIDLOCK_AVX512 void add_pairs_of_row_avx512(HalfBlock& half, int row, PairBuffe
     FiveBlocks const blocks = cells.at(column);
     if (!is_3_by_3 || !blocks.are_all()) {
       std::span<SeenBlock const> const seen = blocks_seen_from(half, column, row);
-      if (seen.size() <= most_blocks_seen) {
+      if (seen.size() <= max_blocks_seen) {
         add_pairs_of_cell(grid, seen, limit, buffer);
       } else {
         add_pairs_of_cell_scalar(half, column, row, buffer);

@@ -28,7 +28,7 @@ constexpr std::size_t slots = PackedGrid::slots;
 /// Two blocks in a register where it has room for them.
 using Numbers = hn::CappedTag<float, 2 * slots>;
 constexpr std::size_t blocks_per_register = hn::MaxLanes(Numbers()) / slots;
-constexpr std::size_t most_registers = most_blocks_seen / blocks_per_register;
+constexpr std::size_t max_registers = max_blocks_seen / blocks_per_register;
 using Register = hn::Vec<Numbers>;
 static_assert(PairBuffer::slack >= slots);
 
@@ -94,13 +94,13 @@ HWY_INLINE PairBuffer::Pair* write_pairs_with(Block const& home, std::uint32_t s
   return pair;
 }
 
-/// The pairs of a cell that looks at up to most_blocks_seen blocks.
+/// The pairs of a cell that looks at up to max_blocks_seen blocks.
 HWY_NOINLINE void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock const> seen, float limit,
                                     PairBuffer& buffer) {
   Block const* home = seen.front().block;
   // Fills the last register where the blocks are no multiple of those in one.
   SeenBlock const nobody{&grid.empty_block(), 0.0F, 0.0F};
-  SeenRegister registers[most_registers];
+  SeenRegister registers[max_registers];
   for (std::size_t k = 1;; ++k) {
     std::size_t count = 0;
     for (std::size_t first = k; first < seen.size(); first += blocks_per_register) {
@@ -112,7 +112,7 @@ HWY_NOINLINE void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock 
       ++count;
     }
     for (std::uint32_t s = 0; s < home->count; ++s) {
-      PairBuffer::Pair* pair = buffer.room_for(slots * (most_blocks_seen + 1));
+      PairBuffer::Pair* pair = buffer.room_for(slots * (max_blocks_seen + 1));
       pair = write_pairs_at_home(*home, s, limit, pair);
       for (std::size_t n = 0; n < count; ++n) pair = write_pairs_with(*home, s, registers[n], limit, pair);
       buffer.keep_until(pair);
@@ -143,7 +143,7 @@ void add_pairs_of_row_highway(HalfBlock& half, int row, PairBuffer& buffer) {
     FiveBlocks const blocks = cells.at(column);
     if (!is_3_by_3 || !blocks.are_all()) {
       std::span<SeenBlock const> const seen = blocks_seen_from(half, column, row);
-      if (seen.size() <= most_blocks_seen) {
+      if (seen.size() <= max_blocks_seen) {
         add_pairs_of_cell(grid, seen, limit, buffer);
       } else {
         add_pairs_of_cell_scalar(half, column, row, buffer);

@@ -11,7 +11,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::uint64_t most_cells = std::uint64_t{1} << 31;
+constexpr std::uint64_t max_cells = std::uint64_t{1} << 31;
 
 /// Whole cells of at least `cutoff` along a side; at least one.
 std::uint64_t cells_along(double side, double cutoff, double most) {
@@ -35,7 +35,7 @@ CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows
       columns_per_length_(static_cast<double>(columns) / box.width()),
       rows_per_length_(static_cast<double>(rows) / box.height()),
       is_periodic_(box.is_periodic()) {
-  if (columns == 0 || rows == 0 || columns >= most_cells / rows) {
+  if (columns == 0 || rows == 0 || columns >= max_cells / rows) {
     throw Error(
         {.what = "a grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
          .hint = "use at least 1 and at most 46340 cells a side",
@@ -53,7 +53,7 @@ CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents, 
   require_cutoff(cutoff);
   // Cells far smaller in number than agents would make long lists; far more would only be empty memory.
   double const most =
-      std::min(cells_per_agent * static_cast<double>(agents) + 1.0, 0.99 * static_cast<double>(most_cells));
+      std::min(cells_per_agent * static_cast<double>(agents) + 1.0, 0.99 * static_cast<double>(max_cells));
   double const columns = std::sqrt(most * (box.width() / box.height()));
   double const rows = std::sqrt(most * (box.height() / box.width()));
   return {box, cells_along(box.width(), cutoff, std::min(columns + 1.0, most)),

@@ -33,7 +33,7 @@ void sort_by_id(std::span<std::uint32_t> rows, std::span<Id const> ids) {
 template <class Visit>
 void CellOrder::for_each_row_in_cells(std::uint32_t first_cell, std::uint32_t end_cell, Visit visit) const {
   for (std::size_t s = 0; s < ranges_.size(); ++s) {
-    if (ranges_[s].most < first_cell || ranges_[s].least >= end_cell) continue;
+    if (ranges_[s].max < first_cell || ranges_[s].min >= end_cell) continue;
     std::size_t const end = std::min(cell_.size(), (s + 1) * rows_per_range);
     for (std::size_t row = s * rows_per_range; row < end; ++row) {
       if (cell_[row] >= first_cell && cell_[row] < end_cell) visit(static_cast<std::uint32_t>(row), cell_[row]);
@@ -62,12 +62,12 @@ void CellOrder::count(CellLayout const& layout, Columns const& columns, ThreadPo
   first_.resize(cells + 1);
   thread_pool.for_each(parts, [&](std::size_t part) {
     for (std::size_t s = part * ranges_.size() / parts; s < (part + 1) * ranges_.size() / parts; ++s) {
-      RowRange range{.least = static_cast<std::uint32_t>(cells), .most = 0};
+      RowRange range{.min = static_cast<std::uint32_t>(cells), .max = 0};
       for (std::size_t row = s * rows_per_range; row < std::min(agents, (s + 1) * rows_per_range); ++row) {
         auto const cell = static_cast<std::uint32_t>(cells_.place_of(number_of(layout, columns, row)));
         cell_[row] = cell;
-        range.least = std::min(range.least, cell);
-        range.most = std::max(range.most, cell);
+        range.min = std::min(range.min, cell);
+        range.max = std::max(range.max, cell);
       }
       ranges_[s] = range;
     }

@@ -88,7 +88,7 @@ SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
   if (points.count == 0) least = most = {};
   auto const side = [&](double from, double to) {
     double const length = (to - from) * (1.0 + 1e-12);
-    if (!(length <= most_magnitude)) {
+    if (!(length <= max_magnitude)) {
       throw Error({.what = "the points span " + std::to_string(length) + " in one direction",
                    .hint = "use coordinates of at most 1e60"});
     }
@@ -235,20 +235,20 @@ struct SizeClass {
 std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
                                   std::span<double const> radius) {
   constexpr double few_disks = 64.0;
-  constexpr std::size_t most_halvings = 63;
+  constexpr std::size_t max_halvings = 63;
   double const largest = std::ranges::max(radius);
   auto const halvings_of = [&](double r) {
-    return std::min(static_cast<std::size_t>(std::ilogb(largest / r)), most_halvings);
+    return std::min(static_cast<std::size_t>(std::ilogb(largest / r)), max_halvings);
   };
-  std::array<double, most_halvings + 1> largest_of{};
-  std::array<std::size_t, most_halvings + 1> count_of{};
+  std::array<double, max_halvings + 1> largest_of{};
+  std::array<std::size_t, max_halvings + 1> count_of{};
   for (double const r : radius) {
     std::size_t const halvings = halvings_of(r);
     largest_of[halvings] = std::max(largest_of[halvings], r);
     ++count_of[halvings];
   }
   std::vector<SizeClass> classes;
-  std::array<std::size_t, most_halvings + 1> class_of{};
+  std::array<std::size_t, max_halvings + 1> class_of{};
   std::size_t count = 0;
   for (std::size_t halvings = 0; halvings < count_of.size(); ++halvings) {
     if (count_of[halvings] == 0) continue;

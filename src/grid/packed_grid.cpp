@@ -14,7 +14,7 @@ static_assert(sizeof(PackedGrid::Block) == 64);
 
 namespace {
 
-constexpr std::size_t most_blocks = std::size_t{1} << 30;
+constexpr std::size_t max_blocks = std::size_t{1} << 30;
 
 }  // namespace
 
@@ -36,10 +36,10 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   first_ = window_.first_row * static_cast<std::ptrdiff_t>(stride_) + window_.first_column -
            static_cast<std::ptrdiff_t>(first_of_cells);
   blocks_of_cells_ = first_of_cells + stride_ * (static_cast<std::size_t>(window_.end_row - window_.first_row) + 1);
-  if (blocks_of_cells_ > most_blocks) {
+  if (blocks_of_cells_ > max_blocks) {
     throw Error(
         {.what = "a packed grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
-         .hint = "use at most " + std::to_string(most_blocks) + " cells",
+         .hint = "use at most " + std::to_string(max_blocks) + " cells",
          .key = "engine.cells"});
   }
   auto const beyond = [&](int at_wall, int around, int next, bool has_all) {
@@ -56,7 +56,7 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = columns, .row = rows};
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
-  blocks_.reserve(agents == 0 ? blocks_of_cells_ : most_blocks_for(agents));
+  blocks_.reserve(agents == 0 ? blocks_of_cells_ : max_blocks_for(agents));
   for (std::size_t k = 0; k < first_of_cells; ++k) blocks_.push_back(empty);
   // A cell has the number that it has in the box; those of empty ones beside the window are of no cell in it.
   auto const in_box = [&](int index, int end, int all) {
@@ -91,11 +91,11 @@ PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std:
 
 void PackedGrid::grow(std::size_t agents) {
   place_.resize(agents, none);
-  std::size_t const most = most_blocks_for(place_.capacity());
+  std::size_t const most = max_blocks_for(place_.capacity());
   if (blocks_.capacity() < most) blocks_.reserve(most);
 }
 
-std::size_t PackedGrid::most_blocks_for(std::size_t agents) const {
+std::size_t PackedGrid::max_blocks_for(std::size_t agents) const {
   // A cell of n > 4 agents has at most n/4 further blocks, so the blocks never move while threads move agents.
   return blocks_of_cells_ + agents / slots + 1;
 }
@@ -157,7 +157,7 @@ std::uint32_t PackedGrid::add_block(Block& base) {
   if (index != none) {
     first_free_ = blocks_[index].next;
   } else {
-    assert(blocks_.size() < blocks_.capacity() && blocks_.size() < most_blocks);
+    assert(blocks_.size() < blocks_.capacity() && blocks_.size() < max_blocks);
     index = static_cast<std::uint32_t>(blocks_.size());
     blocks_.emplace_back();
   }

@@ -64,10 +64,10 @@ void require_box_for(Box const& box, double cutoff) {
 
 void require_point_count(std::size_t points) {
   // As many as a packed grid holds in a box of any shape.
-  constexpr std::size_t most_points = 250'000'000;
-  if (points <= most_points) return;
+  constexpr std::size_t max_points = 250'000'000;
+  if (points <= max_points) return;
   throw Error({.what = "a neighbour search among " + std::to_string(points) + " points cannot be made",
-               .hint = "use at most " + std::to_string(most_points)});
+               .hint = "use at most " + std::to_string(max_points)});
 }
 
 void require_points_in_memory(PointsInMemory const& points) {

@@ -14,7 +14,7 @@ void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRange const> 
                Displacement displacement) {
   for (std::size_t row = cell.first; row < cell.end; ++row) {
     Vector const p{rows.x[row], rows.y[row]};
-    PairBuffer::Pair* pair = buffer.room_for(most_candidates);
+    PairBuffer::Pair* pair = buffer.room_for(max_candidates);
     for (RowRange const& range : ranges) {
       for (std::size_t other = &range == ranges.data() ? row + 1 : range.first; other < range.end; ++other) {
         // Every candidate is written, and only the count depends on the answer.
@@ -30,9 +30,9 @@ void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRange const> 
 /// Adds the near pairs of a row with those of a range, which may be long.
 void add_pairs_of_row(SortedRows const& rows, std::size_t row, RowRange range, Box const* box, AddPairsOfRows add_pairs,
                       PairBuffer& buffer) {
-  for (std::size_t first = range.first; first < range.end; first += most_candidates) {
+  for (std::size_t first = range.first; first < range.end; first += max_candidates) {
     RowRange const cell{row, row + 1};
-    std::array const ranges{cell, RowRange{first, std::min(range.end, first + most_candidates)}};
+    std::array const ranges{cell, RowRange{first, std::min(range.end, first + max_candidates)}};
     add_pairs(rows, cell, ranges, box, buffer);
   }
 }
@@ -81,7 +81,7 @@ void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squar
   points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange cell) {
     RowBlock const block = blocks.after(column, cell_row);
     Box const* const images = block.is_at_edge ? &box : nullptr;
-    if (block.candidates <= most_candidates) [[likely]] {
+    if (block.candidates <= max_candidates) [[likely]] {
       add_pairs(sorted, cell, block.ranges(), images, buffer);
       return;
     }

@@ -23,12 +23,12 @@ struct SortedRows {
 };
 
 /// The most candidates of a row that a kernel takes at once.
-constexpr std::size_t most_candidates = 512;
-static_assert(most_candidates <= PairBuffer::capacity);
+constexpr std::size_t max_candidates = 512;
+static_assert(max_candidates <= PairBuffer::capacity);
 
 /// A kernel: adds the near pairs of each row of a cell with the rows behind it in the first range, which begins with
 /// the cell, and with all rows of the other ranges, in the order of the ranges. `box` as that of RowSearch. Contract:
-/// at most most_candidates rows in the ranges.
+/// at most max_candidates rows in the ranges.
 using AddPairsOfRows = void (*)(SortedRows const&, RowRange cell, std::span<RowRange const> ranges, Box const* box,
                                 PairBuffer&);
 

@@ -71,7 +71,7 @@ HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRa
       }
       return bits_of(tag, hn::Lt(squared_length(d_x, d_y), squared_cutoff));
     };
-    PairBuffer::Pair* pair = buffer.room_for(most_candidates);
+    PairBuffer::Pair* pair = buffer.room_for(max_candidates);
     for (RowRange const& range : ranges) {
       std::size_t const end = range.end;
       for (std::size_t other = &range == ranges.data() ? row + 1 : range.first; other < end; other += rows_per_step) {
@@ -80,7 +80,7 @@ HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRa
           RowRange const rest[] = {alone, {other, end}};
           buffer.keep_until(pair);
           add_pairs_of_rows_scalar(rows, alone, rest, box, buffer);
-          pair = buffer.room_for(most_candidates);
+          pair = buffer.room_for(max_candidates);
           continue;
         }
         // Rows behind the range are read, but do not count.

@@ -103,7 +103,7 @@ class SortedPoints {
   std::optional<std::size_t> move_few(PointsInMemory const& points) {
     constexpr std::size_t ahead = 16;
     find_cells_of_rows();
-    std::size_t const most_arrivals = size() / 8;
+    std::size_t const max_arrivals = size() / 8;
     std::vector<Arrival> arrivals;
     std::size_t kept = 0;
     for (std::size_t row = 0; row < size(); ++row) {
@@ -113,7 +113,7 @@ class SortedPoints {
       Vector const p = point(points, index);
       auto const cell_now = static_cast<std::uint32_t>(layout_.cell_of(p));
       if (cell_now != cell) [[unlikely]] {
-        if (arrivals.size() == most_arrivals) return std::nullopt;
+        if (arrivals.size() == max_arrivals) return std::nullopt;
         arrivals.push_back({.cell = cell_now, .index = index});
         continue;
       }

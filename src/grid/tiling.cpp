@@ -114,13 +114,13 @@ std::size_t Tiling::colour_of(std::uint32_t tile) const {
 
 std::vector<std::uint32_t> Tiling::pieces(Rectangle const& own, std::size_t threads) const {
   // Some pieces for each thread, so that none waits long for the last one, but each of many rows.
-  constexpr std::size_t most_pieces_of_thread = 4;
+  constexpr std::size_t max_pieces_of_thread = 4;
   constexpr std::size_t rows_of_piece = 8;
   std::size_t const columns = own.end_column - own.first_column;
   std::size_t const rows = own.end_row - own.first_row;
   std::size_t const tiles = own.tiles();
   std::size_t const count =
-      threads == 1 ? 1 : threads * std::clamp<std::size_t>(rows / (rows_of_piece * threads), 1, most_pieces_of_thread);
+      threads == 1 ? 1 : threads * std::clamp<std::size_t>(rows / (rows_of_piece * threads), 1, max_pieces_of_thread);
   std::vector<std::uint32_t> piece(tiles_.size(), elsewhere);
   auto const tile_at = [&](std::size_t n) {
     return number_of(own.first_column + n % columns, own.first_row + n / columns);

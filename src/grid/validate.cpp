@@ -54,9 +54,9 @@ class FirstOverlaps {
   void add(std::size_t i, std::size_t j, double gap) {
     ++count_;
     RowPair const pair{std::min(i, j), std::max(i, j), gap};
-    if (first_.size() == most_overlaps_named && !is_before(pair, first_.back())) return;
+    if (first_.size() == max_overlaps_named && !is_before(pair, first_.back())) return;
     first_.insert(std::ranges::upper_bound(first_, pair, is_before), pair);
-    if (first_.size() > most_overlaps_named) first_.pop_back();
+    if (first_.size() > max_overlaps_named) first_.pop_back();
   }
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] std::vector<OverlappingPair> pairs(Disks const& disks) const {
@@ -92,11 +92,11 @@ void find_own_images(Box const& box, double largest_radius, std::vector<Problem>
 }  // namespace
 
 void RowProblems::Kind::add(std::string text) {
-  if (++count <= most_named) first.push_back(std::move(text));
+  if (++count <= max_named) first.push_back(std::move(text));
 }
 
 void RowProblems::Kind::add(Kind const& next) {
-  for (std::size_t k = 0; k < next.first.size() && first.size() < most_named; ++k) first.push_back(next.first[k]);
+  for (std::size_t k = 0; k < next.first.size() && first.size() < max_named; ++k) first.push_back(next.first[k]);
   count += next.count;
 }
 
@@ -131,7 +131,7 @@ RowProblems::RowProblems(State const& some, double beyond_walls) {
 RowProblems::RowProblems(MessageReader& message) {
   for (Kind* const kind : {&not_finite_, &not_inside_, &extreme_}) {
     kind->count = message.next<std::uint64_t>();
-    for (std::size_t k = 0; k < std::min(kind->count, most_named); ++k) kind->first.push_back(message.next_text());
+    for (std::size_t k = 0; k < std::min(kind->count, max_named); ++k) kind->first.push_back(message.next_text());
   }
   largest_speed_ = message.next<double>();
 }
@@ -180,7 +180,7 @@ double gap_of_overlap(double contact, double squared_distance, double tolerance)
 
 std::vector<Problem> problems_of_overlaps(std::span<OverlappingPair const> first, std::size_t count) {
   std::vector<Problem> problems;
-  for (auto const& [one, other, gap] : first.first(std::min(first.size(), most_overlaps_named))) {
+  for (auto const& [one, other, gap] : first.first(std::min(first.size(), max_overlaps_named))) {
     auto const [a, b] = std::minmax(one, other);
     problems.push_back(
         {.what = fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),

@@ -28,9 +28,9 @@ class RowProblems {
   void require_none(Box const& box) const;
 
  private:
-  static constexpr std::size_t most_named = 3;
+  static constexpr std::size_t max_named = 3;
   struct Kind {
-    std::vector<std::string> first;  ///< most_named at most
+    std::vector<std::string> first;  ///< max_named at most
     std::size_t count = 0;
 
     void add(std::string text);
@@ -59,7 +59,7 @@ struct OverlappingPair {
   double gap;  ///< between their rims, below 0
 };
 /// How many an error names.
-inline constexpr std::size_t most_overlaps_named = 3;
+inline constexpr std::size_t max_overlaps_named = 3;
 /// The problems that validate() reports of `count` overlaps, the first of which are given.
 std::vector<Problem> problems_of_overlaps(std::span<OverlappingPair const> first, std::size_t count);
 

@@ -12,7 +12,7 @@ namespace gridlock {
 namespace {
 
 /// Rows of numbers become five times as small at most; a file that asks for much more is a trap.
-constexpr std::uint64_t most_packed = 100;
+constexpr std::uint64_t max_packed = 100;
 /// Bound for a part of any length: a header packs better than rows.
 constexpr std::uint64_t always_allowed = std::uint64_t{1} << 20;
 
@@ -31,8 +31,8 @@ class GzipReader::Stream {
   Stream& operator=(Stream const&) = delete;
 
   std::optional<std::size_t> read(std::span<char> into) {
-    constexpr std::size_t most_at_once = std::numeric_limits<uInt>::max();
-    std::size_t const room = std::min(into.size(), most_at_once);
+    constexpr std::size_t max_at_once = std::numeric_limits<uInt>::max();
+    std::size_t const room = std::min(into.size(), max_at_once);
     zlib_.next_out = reinterpret_cast<Bytef*>(into.data());
     zlib_.avail_out = static_cast<uInt>(room);
     while (zlib_.avail_out == room) {
@@ -40,7 +40,7 @@ class GzipReader::Stream {
       if (!unpack()) return std::nullopt;
     }
     given_ += room - zlib_.avail_out;
-    if (given_ > always_allowed && given_ / most_packed > taken_ - zlib_.avail_in) return std::nullopt;
+    if (given_ > always_allowed && given_ / max_packed > taken_ - zlib_.avail_in) return std::nullopt;
     return room - zlib_.avail_out;
   }
 

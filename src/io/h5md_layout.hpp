@@ -16,7 +16,7 @@ namespace gridlock::h5md {
 
 inline constexpr std::uint64_t absent_id = std::numeric_limits<std::uint64_t>::max();
 /// Agents in one chunk at most: 1 MiB of numbers of 64 bits.
-inline constexpr std::size_t most_rows_per_chunk = std::size_t{1} << 17;
+inline constexpr std::size_t max_rows_per_chunk = std::size_t{1} << 17;
 /// Numbers in a chunk of an array with one number for each frame.
 inline constexpr std::size_t frames_per_chunk = 64;
 inline constexpr std::size_t dimensions = 3;

@@ -25,11 +25,11 @@ using hdf5::Access;
 using hdf5::Handle;
 
 /// Chunks of fewer numbers together are not worth waking other threads for.
-constexpr std::size_t least_parallel_numbers = 100'000;
+constexpr std::size_t min_parallel_numbers = 100'000;
 constexpr std::size_t room_for_indices = 65536;
 /// Chunks in memory at a time: for each core, so that all of them have work until nearly the end, and at least.
 constexpr std::size_t chunks_per_core = 3;
-constexpr std::size_t least_chunks_in_memory = 12;
+constexpr std::size_t min_chunks_in_memory = 12;
 
 hid_t native_of(FrameValues const& values) {
   return std::visit([](auto const& numbers) { return hdf5::native<std::remove_cvref_t<decltype(numbers[0])>>(); },
@@ -39,7 +39,7 @@ hid_t native_of(FrameValues const& values) {
 /// The shape of a new dataset, whose first dimension is the frames, none yet.
 struct Shape {
   std::vector<hsize_t> extent;
-  std::vector<hsize_t> most;
+  std::vector<hsize_t> max;
   std::vector<hsize_t> chunk;
 };
 
@@ -52,7 +52,7 @@ struct Filling {
 
 void create_dataset(Handle const& file, std::string const& path, hid_t type, Shape const& shape,
                     Filling const& filling = {}) {
-  Handle const space(H5Screate_simple(static_cast<int>(shape.extent.size()), shape.extent.data(), shape.most.data()),
+  Handle const space(H5Screate_simple(static_cast<int>(shape.extent.size()), shape.extent.data(), shape.max.data()),
                      H5Sclose, "describe " + path);
   Handle const list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "describe " + path);
   hdf5::require(H5Pset_chunk(list.id(), static_cast<int>(shape.chunk.size()), shape.chunk.data()), "describe " + path);
@@ -103,7 +103,7 @@ class Beginning {
 
   void write_elements() {
     std::size_t const rounded = (frame_.size() + 63) / 64 * 64;
-    hsize_t const rows = std::clamp<std::size_t>(rounded, 64, h5md::most_rows_per_chunk);
+    hsize_t const rows = std::clamp<std::size_t>(rounded, 64, h5md::max_rows_per_chunk);
     int const compression = static_cast<int>(settings_.compression);
     Shape const scalars{{0, 0}, {H5S_UNLIMITED, H5S_UNLIMITED}, {1, rows}};
     Shape const vectors{{0, 0, h5md::dimensions}, {H5S_UNLIMITED, H5S_UNLIMITED, h5md::dimensions}, {1, rows, 1}};
@@ -167,7 +167,7 @@ class Beginning {
   /// In the form of H5MD that depends on time: disks that move afterwards have other contacts.
   void write_contacts(FrameContacts const& contacts) {
     hsize_t const count = contacts.size();
-    hsize_t const chunk = std::clamp<hsize_t>(count, 1, h5md::most_rows_per_chunk);
+    hsize_t const chunk = std::clamp<hsize_t>(count, 1, h5md::max_rows_per_chunk);
     int const compression = static_cast<int>(settings_.compression);
     hdf5::create_group(file_, "/connectivity");
     Handle const group = hdf5::create_group(file_, "/connectivity/contacts");
@@ -243,7 +243,7 @@ class H5mdWriter::Trajectory {
   void look_into(Handle const& file);
   void require_columns(FrameSource const& frame) const;
   [[nodiscard]] std::vector<Dataset> open_datasets(Handle const& file) const;
-  [[nodiscard]] std::size_t most_bytes_of_frame(std::size_t agents) const;
+  [[nodiscard]] std::size_t max_bytes_of_frame(std::size_t agents) const;
   [[nodiscard]] std::size_t extend(Dataset const& dataset, std::size_t agents) const;
   [[nodiscard]] std::uint64_t put_agents(Handle const& file, FrameSource const& frame,
                                          std::span<double const> observables, std::uint64_t state_hash) const;
@@ -308,7 +308,7 @@ void H5mdWriter::Trajectory::look_into(Handle const& file) {
   std::array<hsize_t, 2> chunk{};
   if (H5Pget_chunk(list.id(), 2, chunk.data()) != 2) throw hdf5::Failure("the ids are not stored as they should be");
   rows_per_chunk_ = chunk[1];
-  if (rows_per_chunk_ == 0 || rows_per_chunk_ > h5md::most_rows_per_chunk) {
+  if (rows_per_chunk_ == 0 || rows_per_chunk_ > h5md::max_rows_per_chunk) {
     throw hdf5::Failure("the ids are not stored as they should be");
   }
   unsigned level = 0;
@@ -346,7 +346,7 @@ std::vector<Dataset> H5mdWriter::Trajectory::open_datasets(Handle const& file) c
 }
 
 /// Numbers that cannot be deflated grow by less than a hundredth; the indices of the chunks need the rest.
-std::size_t H5mdWriter::Trajectory::most_bytes_of_frame(std::size_t agents) const {
+std::size_t H5mdWriter::Trajectory::max_bytes_of_frame(std::size_t agents) const {
   std::size_t const chunks = std::max<std::size_t>((agents + rows_per_chunk_ - 1) / rows_per_chunk_, 1);
   std::size_t width = sizeof(Id);
   for (FrameColumn const& column : columns_) width += h5md::width_of(column.values);
@@ -370,7 +370,7 @@ std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource
   // A frame that was cut short may have left other numbers where this one has none but the fill value.
   bool const was_cut_short = std::ranges::any_of(
       datasets, [&](Dataset const& dataset) { return hdf5::extent_of(dataset.handle)[0] > frame_count(); });
-  std::size_t const most_chunks = std::max(least_chunks_in_memory, chunks_per_core * usable_cores());
+  std::size_t const max_chunks = std::max(min_chunks_in_memory, chunks_per_core * usable_cores());
   h5md::Checksum sum = h5md::begun_checksum(frame.box(), frame.clock(), frame.seed(), frame.size(), state_hash);
   std::vector<Chunk> chunks;
   for (Dataset const& dataset : datasets) {
@@ -387,7 +387,7 @@ std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource
             {&dataset, std::move(offset),
              is_of_ids ? FrameValues(frame.ids(first, count)) : frame.values(dataset.columns[c], first, count)});
         sum.add(h5md::bytes_of(chunks.back().values));
-        if (chunks.size() == most_chunks) put_chunks(chunks, was_cut_short);
+        if (chunks.size() == max_chunks) put_chunks(chunks, was_cut_short);
       });
     }
   }
@@ -407,7 +407,7 @@ void H5mdWriter::Trajectory::deflate(std::vector<Chunk>& chunks, bool keeps_fill
     chunk.bytes = deflated_chunk(source, compression_);
     chunk.values = {};
   };
-  if (chunks.size() * rows_per_chunk_ < least_parallel_numbers) {
+  if (chunks.size() * rows_per_chunk_ < min_parallel_numbers) {
     for (std::size_t k = 0; k < chunks.size(); ++k) deflate_one(k);
   } else {
     on_all_cores([&] { tbb::parallel_for(std::size_t{0}, chunks.size(), deflate_one); });
@@ -445,7 +445,7 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
                                    std::uint64_t state_hash) {
   require_columns(frame);
   assert(observables.size() == observables_.size());
-  hdf5::reserve(path_, most_bytes_of_frame(frame.size()));
+  hdf5::reserve(path_, max_bytes_of_frame(frame.size()));
   Handle file = hdf5::open_file(path_, Access::append);
   std::uint64_t const checksum = put_agents(file, frame, observables, state_hash);
   for (std::size_t k = 0; k < observables_.size(); ++k) {

@@ -37,8 +37,8 @@ Handle access_list() {
 
 /// A kill may cut a write in two where it crosses a page of memory. Metadata that are written again in their place must
 /// not cross one, or their checksum is lost.
-constexpr hsize_t most_header_bytes = 512;     ///< of what a file begins with
-constexpr hsize_t most_metadata_bytes = 2048;  ///< of what a frame adds: nodes of the indices of its chunks
+constexpr hsize_t max_header_bytes = 512;     ///< of what a file begins with
+constexpr hsize_t max_metadata_bytes = 2048;  ///< of what a frame adds: nodes of the indices of its chunks
 Handle writer_access_list(hsize_t alignment) {
   Handle list = access_list();
   require(H5Pset_alignment(list.id(), 1, alignment), "choose the alignment");
@@ -163,15 +163,15 @@ std::string shortness_of(std::filesystem::path const& path) {
 }
 
 Handle create_file(std::filesystem::path const& path) {
-  constexpr std::size_t least_bytes = 32768;
-  reserve(path, least_bytes);
-  Handle const list = writer_access_list(most_header_bytes);
+  constexpr std::size_t min_bytes = 32768;
+  reserve(path, min_bytes);
+  Handle const list = writer_access_list(max_header_bytes);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list.id()), H5Fclose, "create the file"};
 }
 
 Handle open_file(std::filesystem::path const& path, Access access) {
   if (access == Access::append) {
-    Handle const list = writer_access_list(most_metadata_bytes);
+    Handle const list = writer_access_list(max_metadata_bytes);
     return {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "open the file"};
   }
   Handle const list = access_list();
@@ -189,7 +189,7 @@ Handle open_file(std::filesystem::path const& path, Access access) {
 }
 
 void repair_file(std::filesystem::path const& path) {
-  Handle const list = writer_access_list(most_metadata_bytes);
+  Handle const list = writer_access_list(max_metadata_bytes);
   // As h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written. In the mode
   // of the writer, so that a kill in here leaves a file that readers open too.
   bool const yes = true;

@@ -29,8 +29,8 @@ std::optional<std::uint64_t> whole_number_of(TomlValue const& value) {
   if (value.kind == Kind::integer && value.integer >= 0) return static_cast<std::uint64_t>(value.integer);
   if (value.kind != Kind::text) return std::nullopt;
   auto const number = parse_number<std::uint64_t>(value.text);
-  constexpr auto most_of_toml = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  return number && *number > most_of_toml ? number : std::nullopt;
+  constexpr auto max_of_toml = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  return number && *number > max_of_toml ? number : std::nullopt;
 }
 
 /// Whether a text is a whole number that no integer of the program holds, and TOML therefore takes for no number.
@@ -82,12 +82,11 @@ std::optional<std::string> as_text(TomlValue const& value) {
 
 std::string bounds_in_words(SettingInfo const& info) {
   std::string words;
-  if (std::isfinite(info.least)) {
-    words = fmt::format("{} {}", info.least_is_allowed ? "at least" : "above", info.least);
+  if (std::isfinite(info.min)) {
+    words = fmt::format("{} {}", info.min_is_allowed ? "at least" : "above", info.min);
   }
-  if (std::isfinite(info.most)) {
-    words +=
-        fmt::format("{}{} {}", words.empty() ? "" : " and ", info.most_is_allowed ? "at most" : "below", info.most);
+  if (std::isfinite(info.max)) {
+    words += fmt::format("{}{} {}", words.empty() ? "" : " and ", info.max_is_allowed ? "at most" : "below", info.max);
   }
   return words;
 }
@@ -144,8 +143,8 @@ void SettingsReader::leave() { frames_.pop_back(); }
 
 bool SettingsReader::is_within_bounds(TomlValue const& value, std::string const& path, SettingInfo const& info,
                                       double number) {
-  bool const is_high_enough = info.least_is_allowed ? number >= info.least : number > info.least;
-  bool const is_low_enough = info.most_is_allowed ? number <= info.most : number < info.most;
+  bool const is_high_enough = info.min_is_allowed ? number >= info.min : number > info.min;
+  bool const is_low_enough = info.max_is_allowed ? number <= info.max : number < info.max;
   if (is_high_enough && is_low_enough) return true;
   report(value, path,
          fmt::format("{} is {}, but must be {}", path, in_words(value), with_unit(bounds_in_words(info), info)), "");
@@ -183,8 +182,8 @@ bool SettingsReader::read_count(TomlValue const& value, std::string const& path,
     return false;
   }
   if (!read) {
-    std::string const expected = info.least > 0.0 ? fmt::format("a whole number, at least {}", info.least)
-                                                  : std::string("a whole number, 0 or above");
+    std::string const expected = info.min > 0.0 ? fmt::format("a whole number, at least {}", info.min)
+                                                : std::string("a whole number, 0 or above");
     report_type(value, path, with_unit(expected, info), whole_number_instead_of(value));
     return false;
   }

@@ -17,7 +17,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::size_t most_problems = 10;
+constexpr std::size_t max_problems = 10;
 
 /// Whether a name is written without quotes in the first line and is read back as it is: the reader drops spaces at its
 /// ends.
@@ -75,7 +75,7 @@ class CsvReader {
   CsvReader(std::string_view text, std::string name) : text_(text), file_(std::move(name)) {}
 
   Table read() {
-    while (problems_.size() < most_problems && next_line()) {
+    while (problems_.size() < max_problems && next_line()) {
       if (line_.empty() || line_.front() == '#') continue;
       std::vector<Field> entries;
       if (!split(entries)) continue;
@@ -187,7 +187,7 @@ class CsvReader {
       Field const& entry = row.entries[c];
       auto const value =
           entry.text.empty() ? std::numeric_limits<double>::quiet_NaN() : parse_number<double>(entry.text);
-      if ((!value || entry.is_quoted) && problems_.size() < most_problems) {
+      if ((!value || entry.is_quoted) && problems_.size() < max_problems) {
         report(fmt::format("{} in column {} is not a number", in_quotes(entry.text), in_quotes(names_[c])),
                entry.is_quoted ? "a column holds either numbers or words" : "put words in quotes", row.line,
                entry.column, row.source);

@@ -18,7 +18,7 @@ using Kind = TomlValue::Kind;
 
 /// No setting lies deeper than this; the bounds keep what is no file of settings from overflowing the stack.
 constexpr int deepest_value = 32;
-constexpr int most_dots = 64;
+constexpr int max_dots = 64;
 
 /// The lines of a text, for quoting them in errors.
 class SourceLines {
@@ -122,7 +122,7 @@ bool has_bottomless_key(std::string_view text) {
       is_comment = c == '#';
     }
     if (c == ',' || c == '=') dots = 0;
-    if (c == '.' && !is_comment && ++dots > most_dots) return true;
+    if (c == '.' && !is_comment && ++dots > max_dots) return true;
   }
   return false;
 }
@@ -192,7 +192,7 @@ TomlValue& TomlValue::put(std::string_view name, TomlValue value) {
 
 TomlValue parse_toml(std::string_view text, std::string const& file) {
   if (has_bottomless_key(text)) {
-    throw Error(Problem{.what = fmt::format("a key has more than {} dotted parts", most_dots),
+    throw Error(Problem{.what = fmt::format("a key has more than {} dotted parts", max_dots),
                         .hint = "is this a file of settings?",
                         .file = file});
   }

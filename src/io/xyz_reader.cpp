@@ -15,7 +15,7 @@ namespace gridlock::xyz {
 namespace {
 
 /// A population keeps a place for every slot up to the largest: a damaged Id must not ask for all the memory.
-std::uint64_t most_slots(std::uint64_t count) { return (std::uint64_t{1} << 22) + 64 * count; }
+std::uint64_t max_slots(std::uint64_t count) { return (std::uint64_t{1} << 22) + 64 * count; }
 
 bool is_empty(std::string_view line) { return std::ranges::all_of(line, is_blank); }
 
@@ -65,13 +65,13 @@ std::optional<WrongId> find_wrong_id(std::vector<IdOfRow>& ids, std::uint64_t co
   for (std::size_t k = 0; k < ids.size(); ++k) {
     bool const is_twice = k > 0 && slot_of(ids[k - 1].id) == slot_of(ids[k].id);
     if (is_twice) return WrongId{.id = ids[k].id, .row = ids[k].row, .first_row = ids[k - 1].row};
-    if (slot_of(ids[k].id) >= most_slots(count)) return WrongId{.id = ids[k].id, .row = ids[k].row, .first_row = {}};
+    if (slot_of(ids[k].id) >= max_slots(count)) return WrongId{.id = ids[k].id, .row = ids[k].row, .first_row = {}};
   }
   return std::nullopt;
 }
 
 bool are_plain(Id first, Id last, std::uint64_t count) {
-  return first == slot_of(first) && last == slot_of(last) && last < most_slots(count);
+  return first == slot_of(first) && last == slot_of(last) && last < max_slots(count);
 }
 
 std::uint64_t read_count(Lines& lines) {
@@ -307,7 +307,7 @@ void Reader::refuse(WrongId const& wrong) {
                   "ids, and their last 32 bits, have to differ");
   }
   lines_.refuse(fmt::format("the id {} is out of proportion to {} disks", wrong.id, count_),
-                fmt::format("use ids below {}, or leave the column out", most_slots(count_)));
+                fmt::format("use ids below {}, or leave the column out", max_slots(count_)));
 }
 
 }  // namespace gridlock::xyz

@@ -25,7 +25,7 @@ LatticeFit make_fit(Box const& box, double radius, std::uint64_t available, Latt
 std::uint64_t rounded_up_quotient(std::uint64_t a, std::uint64_t b) { return (a + b - 1) / b; }
 
 /// Lattices far from square are never the best: rows beyond this need not be tried.
-std::uint64_t most_rows(Box const& box, std::uint64_t count) {
+std::uint64_t max_rows(Box const& box, std::uint64_t count) {
   double const likely = std::sqrt(static_cast<double>(count) * box.height() / box.width());
   return std::min<std::uint64_t>(count, static_cast<std::uint64_t>(2.0 * likely) + 8);
 }
@@ -87,7 +87,7 @@ Rows best_rows_between_walls(Box const& box, std::uint64_t count, bool is_turned
   double const width = is_turned ? box.height() : box.width();
   double const height = is_turned ? box.width() : box.height();
   Rows best;
-  for (std::uint64_t m = 1; m <= most_rows(Box(width, height, Edge::wall), count); ++m) {
+  for (std::uint64_t m = 1; m <= max_rows(Box(width, height, Edge::wall), count); ++m) {
     // Rows of p and p, then rows of p and p − 1, with the smallest p that has enough sites.
     std::uint64_t const equal = rounded_up_quotient(count, m);
     std::uint64_t const alternating = rounded_up_quotient(count + m / 2, m);
@@ -104,7 +104,7 @@ Rows best_periodic_rows(Box const& box, std::uint64_t count, bool is_turned) {
   double const width = is_turned ? box.height() : box.width();
   double const height = is_turned ? box.width() : box.height();
   Rows best;
-  for (std::uint64_t m = 2; m <= most_rows(Box(width, height, Edge::wall), count) + 1; m += 2) {
+  for (std::uint64_t m = 2; m <= max_rows(Box(width, height, Edge::wall), count) + 1; m += 2) {
     std::uint64_t const length = rounded_up_quotient(count, m);
     double const a_x = width / static_cast<double>(length);
     double const a_y = height / static_cast<double>(m);
@@ -151,7 +151,7 @@ LatticeFit fit_square_lattice(Box const& box, std::uint64_t count) {
   std::uint64_t best_columns = count;
   std::uint64_t best_rows = 1;
   double best_radius = 0.0;
-  for (std::uint64_t rows = 1; rows <= most_rows(box, count); ++rows) {
+  for (std::uint64_t rows = 1; rows <= max_rows(box, count); ++rows) {
     std::uint64_t const columns = rounded_up_quotient(count, rows);
     double const radius =
         0.5 * std::min(box.width() / static_cast<double>(columns), box.height() / static_cast<double>(rows));

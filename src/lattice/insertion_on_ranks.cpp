@@ -398,7 +398,7 @@ class PartOfInsertion {
         count_(count),
         slabs_(box, largest_radius, count, ranks.count()),
         places_(box_, slabs_, ranks.rank(), largest_radius, count / ranks.count() + count / ranks.count() / 8),
-        attempts_left_(most_attempts_for(count)) {}
+        attempts_left_(max_attempts_for(count)) {}
 
   /// Deals the disks out to the ranks that draw their points.
   void deal(std::span<double const> radii_of_own_rows, std::uint64_t first_row) {
@@ -488,8 +488,8 @@ class PartOfInsertion {
     std::vector<std::uint64_t> points(end);
     std::uint64_t count = 0;
     // The first ones first: where one finds no place, those behind it need not try.
-    for (std::size_t k = 0; k < end && count < most_points_of_round; ++k) {
-      points[k] = std::min(points_of(seekers_[k]), most_points_of_round - count);
+    for (std::size_t k = 0; k < end && count < max_points_of_round; ++k) {
+      points[k] = std::min(points_of(seekers_[k]), max_points_of_round - count);
       count += points[k];
     }
     std::size_t disk = 0;
@@ -608,15 +608,15 @@ class PartOfInsertion {
     attempts_left_ -= sums_[failures];
     // Batches are as long as they can be while few of their points block one another.
     if (4 * sums_[blocked] > sums_[disks]) share_ = std::max<std::size_t>(share_ / 2, 1);
-    if (8 * sums_[blocked] < sums_[disks]) share_ = std::min<std::size_t>(2 * share_, most_of_batch);
+    if (8 * sums_[blocked] < sums_[disks]) share_ = std::min<std::size_t>(2 * share_, max_of_batch);
     first_points_ = 1 + sums_[failures] / sums_[disks] / 4;
   }
 
   /// Disks of a batch on each rank.
   static constexpr std::size_t first_of_batch = 64;
-  static constexpr std::size_t most_of_batch = std::size_t{1} << 15;
+  static constexpr std::size_t max_of_batch = std::size_t{1} << 15;
   /// Points that a rank draws at once.
-  static constexpr std::uint64_t most_points_of_round = std::uint64_t{1} << 16;
+  static constexpr std::uint64_t max_points_of_round = std::uint64_t{1} << 16;
 
   Communicator& ranks_;
   Box box_;

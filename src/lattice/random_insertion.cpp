@@ -15,7 +15,7 @@ RandomInsertion::RandomInsertion(Box const& box, std::vector<double> radii, std:
       sites_(radii_.size()),
       largest_(*std::ranges::max_element(radii_)),
       grid_(layout_for_cutoff(box, 2.0 * largest_, radii_.size())),
-      attempts_left_(most_attempts_for(radii_.size())) {}
+      attempts_left_(max_attempts_for(radii_.size())) {}
 
 std::size_t RandomInsertion::place_all() {
   std::vector<std::size_t> order(sites_.size());

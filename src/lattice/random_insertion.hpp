@@ -42,7 +42,7 @@ class AllowedCentres {
 inline RandomStream places_of(std::uint64_t seed, std::uint64_t row) { return {seed, 0, row, Purpose::start_position}; }
 
 /// A random insertion of so many disks is given up after that many places that were not free.
-constexpr std::uint64_t most_attempts_for(std::uint64_t disks) { return 1'000'000 + 1000 * disks; }
+constexpr std::uint64_t max_attempts_for(std::uint64_t disks) { return 1'000'000 + 1000 * disks; }
 
 /// Puts disks down one after the other, each where a uniform point is free; the largest go first, since they would find
 /// no room later. Memory: 50 bytes a disk.
@@ -58,7 +58,7 @@ class RandomInsertion {
   [[nodiscard]] double packing_fraction() const { return covered_ / box_.area(); }
 
   [[nodiscard]] std::vector<Vector> const& sites() const { return sites_; }
-  [[nodiscard]] std::uint64_t attempts() const { return most_attempts_for(radii_.size()) - attempts_left_; }
+  [[nodiscard]] std::uint64_t attempts() const { return max_attempts_for(radii_.size()) - attempts_left_; }
 
  private:
   bool place(std::size_t i);

@@ -8,8 +8,8 @@ namespace gridlock {
 namespace {
 
 // The squares of ratios keep all their digits.
-constexpr double least_size_ratio = 1e-30;
-constexpr double most_size_ratio = 1e30;
+constexpr double min_size_ratio = 1e-30;
+constexpr double max_size_ratio = 1e30;
 
 }  // namespace
 
@@ -21,21 +21,21 @@ void describe(BoxSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "side",
                  .unit = "length",
                  .documentation = "Side of a square box.",
-                 .least = least_magnitude,
-                 .most = most_magnitude},
+                 .min = min_magnitude,
+                 .max = max_magnitude},
                 settings.side);
   visitor.visit({.key = "width",
                  .unit = "length",
                  .documentation = "Width of a rectangular box.",
-                 .least = least_magnitude,
-                 .most = most_magnitude,
+                 .min = min_magnitude,
+                 .max = max_magnitude,
                  .default_note = "box.side"},
                 settings.width);
   visitor.visit({.key = "height",
                  .unit = "length",
                  .documentation = "Height of a rectangular box.",
-                 .least = least_magnitude,
-                 .most = most_magnitude,
+                 .min = min_magnitude,
+                 .max = max_magnitude,
                  .default_note = "box.side"},
                 settings.height);
 }
@@ -43,22 +43,22 @@ void describe(BoxSettings& settings, SettingVisitor& visitor) {
 void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "fraction",
                  .documentation = "Share of the disks that are of this kind; all shares add up to 1.",
-                 .least = 0.0,
-                 .most = 1.0},
+                 .min = 0.0,
+                 .max = 1.0},
                 settings.fraction);
   visitor.visit({.key = "size_ratio",
                  .unit = "disks.radius",
                  .documentation = "Radius of this kind.",
-                 .least = least_size_ratio,
-                 .most = most_size_ratio},
+                 .min = min_size_ratio,
+                 .max = max_size_ratio},
                 settings.size_ratio);
   visitor.visit(
       {.key = "mass",
        .unit = "mass",
        .documentation =
            "Mass of a disk of this kind; with equal speeds the engine exact takes masses up to about 10⁶ apart.",
-       .least = least_magnitude,
-       .most = most_magnitude},
+       .min = min_magnitude,
+       .max = max_magnitude},
       settings.mass);
 }
 
@@ -67,17 +67,17 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 4> distributions{"equal", "inverse_cube", "uniform", "normal"};
   visitor.visit({.key = "count",
                  .documentation = "N, the number of disks.",
-                 .least = 1,
-                 .most = 2e9,
+                 .min = 1,
+                 .max = 2e9,
                  .default_note = "841, or as many as the file holds"},
                 settings.count);
   visitor.visit(
       {.key = "packing_fraction",
        .documentation = "φ = Σ π R² / (width · height), below 1 unless disks overlap at the start; give this or "
                         "disks.radius.",
-       .least = 0.0,
-       .most = 2.0,
-       .least_is_allowed = false,
+       .min = 0.0,
+       .max = 2.0,
+       .min_is_allowed = false,
        .default_note = "from disks.radius, or 0.5 where neither is given"},
       settings.packing_fraction);
   visitor.visit(
@@ -85,8 +85,8 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
        .unit = "length",
        .documentation = "R, the radius of a disk with size_ratio 1, and with disks.sizes the mean radius; give this "
                         "or disks.packing_fraction.",
-       .least = least_magnitude,
-       .most = most_magnitude,
+       .min = min_magnitude,
+       .max = max_magnitude,
        .default_note = "from disks.packing_fraction"},
       settings.radius);
   visit_enum(visitor,
@@ -100,10 +100,10 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
       {.key = "size_spread",
        .documentation = "Standard deviation of the diameters over their mean, s; σ⁻³: s² = artanh(z)/z − 1 with z = "
                         "(σ_max − σ_min)/(σ_max + σ_min), so that 0.23 is σ_max/σ_min = 2.23.",
-       .least = 0.0,
-       .most = 1.0,
-       .least_is_allowed = false,
-       .most_is_allowed = false,
+       .min = 0.0,
+       .max = 1.0,
+       .min_is_allowed = false,
+       .max_is_allowed = false,
        .default_note = "0.23, where disks.sizes is given"},
       settings.size_spread);
   visit_enum(
@@ -143,8 +143,8 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor) {
        .unit = "length / time",
        .documentation = "v_max; \"maxwell\" has the temperature the uniform start relaxes to, kT = v_max²/4 for "
                         "mass 1.",
-       .least = 0.0,
-       .most = most_magnitude},
+       .min = 0.0,
+       .max = max_magnitude},
       settings.max);
   visit_enum(
       visitor,

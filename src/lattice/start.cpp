@@ -24,7 +24,7 @@ namespace {
 
 constexpr double closest_packing = 0.90689968211710892530;  // π/√12
 constexpr double random_insertion_saturation = 0.547069;    // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
-constexpr double most_fitted_up = 1.0 + 1e-9;               // how far above the largest fit still means the fit
+constexpr double max_fitted_up = 1.0 + 1e-9;                // how far above the largest fit still means the fit
 
 double radius_for(double packing_fraction, Box const& box, Kinds const& kinds) {
   return std::sqrt(packing_fraction * box.area() / (std::numbers::pi * kinds.sum_of_squared_ratios()));
@@ -138,7 +138,7 @@ State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& 
   LatticeFit const fit = fit_lattice(settings.start, box, kinds.count());
   double const largest = fit.radius / kinds.largest_ratio();
   double const radius = wanted_radius(settings, box, kinds);
-  if (radius > largest * most_fitted_up) throw too_large_for_lattice(settings, box, kinds, radius, largest);
+  if (radius > largest * max_fitted_up) throw too_large_for_lattice(settings, box, kinds, radius, largest);
   return disks_on_sites(
       box, [&](std::size_t i) { return fit.site(i); }, std::min(radius, largest), kinds, seed, share);
 }
@@ -159,10 +159,10 @@ RandomInsertion insertion_of_all(Box const& box, Kinds const& kinds, double radi
 class InsertionTrial {
  public:
   InsertionTrial(Box const& box, DisksSettings const& settings, std::uint64_t count, std::uint64_t seed)
-      : box_(count <= most_disks ? box : Box(1.0, 1.0, Edge::periodic)),
-        kinds_(settings, ShareOfRows(std::min(count, most_disks)), seed),
+      : box_(count <= max_disks ? box : Box(1.0, 1.0, Edge::periodic)),
+        kinds_(settings, ShareOfRows(std::min(count, max_disks)), seed),
         seed_(seed),
-        is_sample_(count > most_disks) {}
+        is_sample_(count > max_disks) {}
 
   [[nodiscard]] bool is_sample() const { return is_sample_; }
   /// The kinds of the disks that are tried.
@@ -204,7 +204,7 @@ class InsertionTrial {
     return std::nullopt;
   }
 
-  static constexpr std::uint64_t most_disks = 5000;
+  static constexpr std::uint64_t max_disks = 5000;
 
   /// Four times the scatter of what 5000 disks reach, 0.35 % where they are equal.
   static constexpr double margin_of_sample = 0.015;
@@ -239,7 +239,7 @@ constexpr double always_reached = 0.4;
 /// The rows of the share. Few disks every process puts down by itself, many it does together with the others.
 InsertedRows insert(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
                     std::uint64_t seed, ShareOfRows const& share) {
-  if (share.size() < kinds.count() && kinds.count() > InsertionTrial::most_disks) {
+  if (share.size() < kinds.count() && kinds.count() > InsertionTrial::max_disks) {
     return insert_on_ranks(share.processes(), box, radii_of(kinds, radius, share), share.division(), seed);
   }
   ShareOfRows const all(kinds.count());
@@ -378,7 +378,7 @@ void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows
                  .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
                  .key = "velocities.kind"});
   }
-  if (settings.max > 0.0 && settings.max < least_magnitude) {
+  if (settings.max > 0.0 && settings.max < min_magnitude) {
     throw Error({.what = fmt::format("velocities.max is {}, too small to compute with", settings.max),
                  .hint = magnitude_hint,
                  .key = "velocities.max"});

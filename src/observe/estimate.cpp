@@ -51,12 +51,12 @@ void BlockAverage::add(double value, double weight) {
 }
 
 void BlockAverage::open_block() {
-  if (used_ == most_blocks) {
-    for (std::size_t b = 0; b < most_blocks / 2; ++b) {
+  if (used_ == max_blocks) {
+    for (std::size_t b = 0; b < max_blocks / 2; ++b) {
       blocks_[b] = blocks_[2 * b];
       blocks_[b].add(blocks_[2 * b + 1]);
     }
-    used_ = most_blocks / 2;
+    used_ = max_blocks / 2;
     samples_per_block_ *= 2;
   }
   blocks_[used_++] = {};
@@ -84,7 +84,7 @@ void serialize(Archive& archive, std::string_view name, std::span<BlockAverage> 
   archive.require(counts.size() == 4 * averages.size(), "the averages differ in number");
   for (std::size_t k = 0; k < averages.size(); ++k) {
     BlockAverage& average = averages[k];
-    archive.require(counts[4 * k] <= BlockAverage::most_blocks && counts[4 * k + 1] > 0,
+    archive.require(counts[4 * k] <= BlockAverage::max_blocks && counts[4 * k + 1] > 0,
                     "an average has no such blocks");
     std::ranges::copy(std::span(blocks).subspan(k * average.blocks_.size(), average.blocks_.size()),
                       average.blocks_.begin());

@@ -22,13 +22,13 @@
 namespace gridlock {
 
 void describe(ObserveSettings& settings, SettingVisitor& visitor) {
-  visitor.visit({.key = "every", .unit = "steps", .documentation = "Steps between two samples.", .least = 1.0},
+  visitor.visit({.key = "every", .unit = "steps", .documentation = "Steps between two samples.", .min = 1.0},
                 settings.every);
   visitor.visit({.key = "equilibration",
                  .documentation = "Share of the run at its start that averages leave out.",
-                 .least = 0.0,
-                 .most = 1.0,
-                 .most_is_allowed = false,
+                 .min = 0.0,
+                 .max = 1.0,
+                 .max_is_allowed = false,
                  .former_key = "discard"},
                 settings.equilibration);
   visitor.visit({.key = "structure_every",
@@ -38,22 +38,22 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "pair_correlation_range",
                  .unit = "mean diameters",
                  .documentation = "Largest distance of g(r); at most half the shorter side of the box is used.",
-                 .least = 0.0,
-                 .least_is_allowed = false},
+                 .min = 0.0,
+                 .min_is_allowed = false},
                 settings.pair_correlation_range);
   visitor.visit(
-      {.key = "pair_correlation_bins", .documentation = "Bins of g(r) from 0 to its range.", .least = 1.0, .most = 1e6},
+      {.key = "pair_correlation_bins", .documentation = "Bins of g(r) from 0 to its range.", .min = 1.0, .max = 1e6},
       settings.pair_correlation_bins);
   visitor.visit({.key = "speed_range",
                  .unit = "root mean square speeds of the lightest disks",
                  .documentation = "Largest speed of the speed distribution.",
-                 .least = 0.0,
-                 .least_is_allowed = false},
+                 .min = 0.0,
+                 .min_is_allowed = false},
                 settings.speed_range);
   visitor.visit({.key = "speed_bins",
                  .documentation = "Bins of the speed distribution from 0 to its range.",
-                 .least = 1.0,
-                 .most = 1e6},
+                 .min = 1.0,
+                 .max = 1e6},
                 settings.speed_bins);
   visitor.visit({.key = "velocity_origin_every",
                  .unit = "samples",

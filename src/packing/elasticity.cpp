@@ -74,7 +74,7 @@ Unknowns held(ContactNetwork const& network) {
 
 double ElasticModuli::shear() const { return std::isnan(xyxy) ? shear_xx_yy() : 0.5 * (xyxy + shear_xx_yy()); }
 
-double ElasticModuli::least_shear() const {
+double ElasticModuli::min_shear() const {
   if (std::isnan(xyxy)) return shear_xx_yy();
   // The smaller eigenvalue of the two shears, which are turned into each other by 45°.
   double const half_difference = 0.5 * (shear_xx_yy() - xyxy);

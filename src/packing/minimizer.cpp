@@ -23,21 +23,21 @@ namespace gridlock {
 
 namespace {
 
-constexpr double least_shift = 1e-9;  // ε/D², as the next
-constexpr double most_shift = 1e3;
+constexpr double min_shift = 1e-9;  // ε/D², as the next
+constexpr double max_shift = 1e3;
 constexpr double longest_step = 0.1;  // D
-constexpr int most_halvings = 6;
-constexpr std::uint64_t most_slow_newton_steps = 20;
+constexpr int max_halvings = 6;
+constexpr std::uint64_t max_slow_newton_steps = 20;
 /// Near a minimum Newton's method is tried again after so many iterations of the others, which take about as long as
 /// those steps.
 constexpr std::uint64_t iterations_before_newton_again = 2000;
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
-constexpr double least_decrease = 1e-4;           // of what the slope promises
+constexpr double min_decrease = 1e-4;             // of what the slope promises
 
 /// ε a disk; below it disks either move apart or hardly press, whatever the way.
-constexpr double least_energy_of_descent = 1e-8;
+constexpr double min_energy_of_descent = 1e-8;
 
 constexpr double displacement_from_saddle = 1e-4;  // D
 constexpr double curvature_of_saddle = -1e-7;      // ε/D²
@@ -112,7 +112,7 @@ class Minimizer::Search {
     is_near_minimum_ = false;
     newton_again_at_ = never;
     slow_newton_steps_left_ = 0;
-    shift_ = least_shift;
+    shift_ = min_shift;
   }
 
   /// Begins with Newton's method: a few contacts that open or close do not lead it astray.
@@ -122,7 +122,7 @@ class Minimizer::Search {
     is_near_minimum_ = true;
     newton_residual_ = std::numeric_limits<double>::max();
     newton_again_at_ = never;
-    slow_newton_steps_left_ = most_slow_newton_steps;
+    slow_newton_steps_left_ = max_slow_newton_steps;
   }
 
   /// Whether the residual is as small as asked for, or as the digits of positions allow.
@@ -136,7 +136,7 @@ class Minimizer::Search {
   /// Whether the search still follows the steepest way down; once it has left that it does not come back.
   [[nodiscard]] bool is_for_descent(ForceSums const& sums) {
     is_descending_ = is_descending_ && sums.residual() > settings_.descent_residual &&
-                     sums.energy > least_energy_of_descent * static_cast<double>(force_.x.size());
+                     sums.energy > min_energy_of_descent * static_cast<double>(force_.x.size());
     return is_descending_;
   }
   [[nodiscard]] bool is_for_newton(ForceSums const& sums) const {
@@ -207,8 +207,8 @@ class Minimizer::Search {
       right[static_cast<Eigen::Index>(2 * i)] = force_.x[i];
       right[static_cast<Eigen::Index>(2 * i + 1)] = force_.y[i];
     }
-    double const least_gain = 0.5 * sums.residual();
-    for (; shift_ <= most_shift; shift_ *= 10.0) {
+    double const min_gain = 0.5 * sums.residual();
+    for (; shift_ <= max_shift; shift_ *= 10.0) {
       if (!factorize(hessian, shift_)) continue;
       Eigen::VectorXd const solution = factors_.solve(right);
       for (std::size_t i = 0; i < packing.size(); ++i) {
@@ -218,8 +218,8 @@ class Minimizer::Search {
       // Any fall of the energy will do: it costs a thousandth of a factorization to know.
       auto const scale = descend(packing, sums, 0.0);
       if (!scale) continue;
-      if (*scale == 1.0) shift_ = std::max(0.2 * shift_, least_shift);
-      bool const gains_little = look(packing).residual() > least_gain;
+      if (*scale == 1.0) shift_ = std::max(0.2 * shift_, min_shift);
+      bool const gains_little = look(packing).residual() > min_gain;
       if (gains_little && slow_newton_steps_left_ == 0) leave_newton(look(packing));
       if (gains_little && slow_newton_steps_left_ > 0) --slow_newton_steps_left_;
       return;
@@ -260,7 +260,7 @@ class Minimizer::Search {
   }
 
   void leave_newton(ForceSums const& sums) {
-    shift_ = least_shift;
+    shift_ = min_shift;
     newton_residual_ = std::min(settings_.newton_residual, 0.1 * std::min(newton_residual_, sums.residual()));
     if (is_near_minimum_) newton_again_at_ = iterations_ + iterations_before_newton_again;
     slow_newton_steps_left_ = 0;
@@ -280,13 +280,13 @@ class Minimizer::Search {
       square = std::max(square, step_.x[i] * step_.x[i] + step_.y[i] * step_.y[i]);
     }
     double scale = std::min(1.0, longest_step * diameter_ / std::sqrt(square));
-    for (int halvings = 0; halvings <= most_halvings; ++halvings, scale *= 0.5) {
+    for (int halvings = 0; halvings <= max_halvings; ++halvings, scale *= 0.5) {
       for (std::size_t i = 0; i < packing.size(); ++i) {
         packing.x[i] = before_.x[i] + scale * step_.x[i];
         packing.y[i] = before_.y[i] + scale * step_.y[i];
       }
       sums_ = evaluate(packing);
-      double const least = least_decrease * scale * slope;
+      double const least = min_decrease * scale * slope;
       if (sums_->energy < from.energy - least || sums_->residual() <= 0.5 * from.residual()) return scale;
     }
     std::swap(packing.x, before_.x);
@@ -336,7 +336,7 @@ class Minimizer::Search {
   std::vector<int> inner_;
   double quasi_newton_residual_;
   double newton_residual_;
-  double shift_ = least_shift;
+  double shift_ = min_shift;
   bool is_descending_ = true;
   bool is_near_minimum_ = false;              ///< by what it was begun with
   std::uint64_t newton_again_at_ = never;     ///< iterations_ after which Newton's method begins anew
@@ -359,7 +359,7 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
       ForceSums const sums = search_->look(packing_);
       energy_ = sums.energy;
       residual_ = sums.residual();
-      if (energy_ < least_energy_of_a_disk * static_cast<double>(packing_.size())) {
+      if (energy_ < min_energy_of_a_disk * static_cast<double>(packing_.size())) {
         status_ = MinimumStatus::unjammed;
       } else if (search_->is_given_up()) {
         status_ = MinimumStatus::unconverged;

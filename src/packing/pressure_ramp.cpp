@@ -16,16 +16,16 @@ namespace gridlock {
 
 namespace {
 
-constexpr double least_share_of_goal = 0.3;
+constexpr double min_share_of_goal = 0.3;
 /// From a pressure that is too high a ramp up comes back in steps down to this share of it.
 constexpr double share_of_step_back = 0.32;
 /// Halvings of a step down. Disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures.
 /// They rearrange at once.
-constexpr std::uint64_t most_halvings_of_ramp = 12;
+constexpr std::uint64_t max_halvings_of_ramp = 12;
 /// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
-constexpr std::uint64_t most_minima_between_levels = 300;
+constexpr std::uint64_t max_minima_between_levels = 300;
 /// Minima near the pressure asked for before it is given up; usually there are one to three.
-constexpr std::uint64_t most_minima_near_end = 20;
+constexpr std::uint64_t max_minima_near_end = 20;
 
 /// The first step up from disks that do not press makes so many pairs of each disk touch, of about two in a jammed
 /// packing.
@@ -78,21 +78,21 @@ PressureRampSettings const& checked(PressureRampSettings const& settings) {
                  .hint = "use a number above 0 and below 1, in units of ε/D²",
                  .key = "protocol.until_pressure"});
   }
-  if (settings.levels_per_decade < 1 || settings.levels_per_decade > PressureRampSettings::most_levels_per_decade) {
+  if (settings.levels_per_decade < 1 || settings.levels_per_decade > PressureRampSettings::max_levels_per_decade) {
     throw Error({.what = fmt::format("{} levels of pressure in a decade", settings.levels_per_decade),
-                 .hint = fmt::format("use 1 to {}", PressureRampSettings::most_levels_per_decade),
+                 .hint = fmt::format("use 1 to {}", PressureRampSettings::max_levels_per_decade),
                  .key = "protocol.levels_per_decade"});
   }
   if (settings.packing_fraction &&
-      !(*settings.packing_fraction >= least_packing_fraction && *settings.packing_fraction <= most_packing_fraction)) {
+      !(*settings.packing_fraction >= min_packing_fraction && *settings.packing_fraction <= max_packing_fraction)) {
     throw Error({.what = fmt::format("a packing fraction of {} cannot be reached", *settings.packing_fraction),
-                 .hint = fmt::format("use a number from {} to {}", least_packing_fraction, most_packing_fraction),
+                 .hint = fmt::format("use a number from {} to {}", min_packing_fraction, max_packing_fraction),
                  .key = "protocol.until_packing_fraction"});
   }
-  if (!(settings.step >= PressureRampSettings::least_step && settings.step <= PressureRampSettings::most_step)) {
+  if (!(settings.step >= PressureRampSettings::min_step && settings.step <= PressureRampSettings::max_step)) {
     throw Error({.what = fmt::format("steps of {} in packing fraction", settings.step),
-                 .hint = fmt::format("use a number from {} to {}", PressureRampSettings::least_step,
-                                     PressureRampSettings::most_step),
+                 .hint = fmt::format("use a number from {} to {}", PressureRampSettings::min_step,
+                                     PressureRampSettings::max_step),
                  .key = "protocol.step"});
   }
   return settings;
@@ -183,9 +183,9 @@ void PressureRamp::take_minimum() {
     slope_ = is_harmonic ? usual_slope_harmonic : usual_slope_hertzian;
     return accept(found, pressure);
   }
-  bool const is_too_low = tried_ < packing_fraction_ && pressure < least_share_of_goal * goal_;
+  bool const is_too_low = tried_ < packing_fraction_ && pressure < min_share_of_goal * goal_;
   if (settings_.packing_fraction || !is_too_low) return accept(found, pressure);
-  if (++halvings_ > most_halvings_of_ramp) return end(RampStatus::unjammed);
+  if (++halvings_ > max_halvings_of_ramp) return end(RampStatus::unjammed);
   try_packing_fraction(packing_fraction_ + 0.5 * (tried_ - packing_fraction_));
 }
 
@@ -202,7 +202,7 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
   pressure_ = pressure;
   halvings_ = 0;
   minima_since_level_ = is_level() || pressure == 0.0 ? 0 : minima_since_level_ + 1;
-  if (minima_since_level_ > most_minima_between_levels) return end(RampStatus::unjammed);
+  if (minima_since_level_ > max_minima_between_levels) return end(RampStatus::unjammed);
   if (is_level()) add_level();
   settings_.packing_fraction ? next_packing_fraction() : next_goal();
 }
@@ -216,7 +216,7 @@ bool PressureRamp::is_at_end() const {
 bool PressureRamp::is_level() const {
   if (levels_.empty() || settings_.packing_fraction) return true;
   if (!leads_down()) return pressure_ > 0.0;
-  return goal_ > settings_.pressure ? pressure_ <= most_share_of_goal * goal_ : is_at_end();
+  return goal_ > settings_.pressure ? pressure_ <= max_share_of_goal * goal_ : is_at_end();
 }
 
 void PressureRamp::add_level() {
@@ -245,17 +245,17 @@ void PressureRamp::next_packing_fraction() {
 void PressureRamp::next_goal() {
   if (is_at_end()) return end(RampStatus::reached);
   bool const is_near =
-      pressure_ >= least_share_of_goal * settings_.pressure && pressure_ <= most_share_of_goal * settings_.pressure;
+      pressure_ >= min_share_of_goal * settings_.pressure && pressure_ <= max_share_of_goal * settings_.pressure;
   // Steps as long as `step` only lead there.
   if (is_near && aims_at_end_) ++minima_near_end_;
-  if (minima_near_end_ > most_minima_near_end) return end(RampStatus::missed);
-  if (!leads_down() && packing_fraction_ > most_packing_fraction) return end(RampStatus::unjammed);
+  if (minima_near_end_ > max_minima_near_end) return end(RampStatus::missed);
+  if (!leads_down() && packing_fraction_ > max_packing_fraction) return end(RampStatus::unjammed);
   if (!leads_down()) return approach(settings_.pressure);
   // The levels are powers of the same factor, whatever the pressure of the start.
   double const factor = 1.0 / nth_root(10.0, settings_.levels_per_decade);
   double level = 1.0;
-  double const last = most_share_of_goal * settings_.pressure;
-  while (level > last && pressure_ <= most_share_of_goal * level) level *= factor;
+  double const last = max_share_of_goal * settings_.pressure;
+  while (level > last && pressure_ <= max_share_of_goal * level) level *= factor;
   approach(level > last ? level : settings_.pressure);
 }
 
@@ -342,7 +342,7 @@ PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
   if (std::optional<ElasticModuli> const moduli = find_elastic_moduli(packing, network)) {
     level.bulk_modulus = moduli->bulk();
     level.shear_modulus = moduli->shear();
-    level.least_shear_modulus = moduli->least_shear();
+    level.least_shear_modulus = moduli->min_shear();
   }
   return level;
 }

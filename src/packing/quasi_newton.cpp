@@ -13,7 +13,7 @@ namespace gridlock {
 namespace {
 
 /// Steps remembered. Of 2 to 10, five need the fewest forces (docs/notebook/jamming.md).
-constexpr std::size_t most_pairs = 5;
+constexpr std::size_t max_pairs = 5;
 
 /// Sums side by side, so that registers of any width give the same bits.
 using Lanes = std::array<double, 32>;
@@ -114,7 +114,7 @@ double add_and_dot(Columns& step, double factor, Columns const& added, Columns c
 
 double QuasiNewton::find_direction(Columns const& force, Columns& step, ThreadPool& pool) {
   step = force;
-  std::array<double, most_pairs> shares{};
+  std::array<double, max_pairs> shares{};
   // Each pass adds one term and has the product for the next.
   std::size_t const count = pairs_.size();
   double product = dot(force, count > 0 ? pairs_.back().step : force, pool);
@@ -138,7 +138,7 @@ double QuasiNewton::find_direction(Columns const& force, Columns& step, ThreadPo
 void QuasiNewton::remember(Columns const& step, double scale, Columns const& force_before, Columns const& force_after,
                            ThreadPool& pool) {
   Pair pair{.step = Columns(disks_), .change = Columns(disks_)};
-  if (pairs_.size() == most_pairs) {
+  if (pairs_.size() == max_pairs) {
     pair = std::move(pairs_.front());
     pairs_.erase(pairs_.begin());
   }
@@ -165,7 +165,7 @@ void QuasiNewton::serialize(Archive& archive) {
   archive.visit("first_scale", first_scale_);
   std::uint64_t count = pairs_.size();
   archive.visit("steps", count);
-  archive.require(count <= most_pairs, "a minimization remembers too many steps");
+  archive.require(count <= max_pairs, "a minimization remembers too many steps");
   pairs_.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     Pair& pair = pairs_[k];

@@ -20,8 +20,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Up to here all eigenvalues of the dense Hessian take less time than it would take to think about it.
-constexpr Index most_unknowns_of_dense = 200;
-constexpr Index most_steps = 1000;
+constexpr Index max_unknowns_of_dense = 200;
+constexpr Index max_steps = 1000;
 /// The residual of a mode over its eigenvalue of the inverse.
 constexpr double precision = 1e-12;
 
@@ -72,7 +72,7 @@ class Lanczos {
   [[nodiscard]] VectorXd find() {
     VectorXd next = first_guess(basis_.rows());
     if (is_periodic_) remove_shift(next);
-    Index const most = std::min(most_steps, basis_.rows() - (is_periodic_ ? 2 : 0));
+    Index const most = std::min(max_steps, basis_.rows() - (is_periodic_ ? 2 : 0));
     double rest = next.norm();
     for (Index step = 0; step < most; ++step) {
       add_to_basis(next / rest);
@@ -153,7 +153,7 @@ std::optional<VibrationMode> find_softest_mode(ContactNetwork const& network) {
   takes_part.flip();
   Unknowns const unknowns(takes_part);
   SparseMatrix const hessian = hessian_of(network.backbone(), network.potential, unknowns);
-  bool const is_small = hessian.rows() <= most_unknowns_of_dense;
+  bool const is_small = hessian.rows() <= max_unknowns_of_dense;
   VectorXd mode = is_small ? mode_of_dense(hessian, network.is_periodic) : Lanczos(hessian, network.is_periodic).find();
   if (network.is_periodic) remove_shift(mode);
   mode.normalize();

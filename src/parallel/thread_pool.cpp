@@ -21,7 +21,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::uint64_t most_threads = 1024;
+constexpr std::uint64_t max_threads = 1024;
 
 /// Who waits for less than that stays awake: to fall asleep and be woken takes some 50 µs on a virtual machine, as long
 /// as a small round of work.
@@ -29,7 +29,7 @@ constexpr std::chrono::microseconds awake_for(100);
 
 std::size_t number_of(std::uint64_t threads) {
   if (threads == 0) return usable_cores();
-  return static_cast<std::size_t>(std::min(threads, most_threads));
+  return static_cast<std::size_t>(std::min(threads, max_threads));
 }
 
 /// Asked once: reading what says so takes longer than starting the threads of a short piece of work.

@@ -186,68 +186,68 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
       {.key = "rate",
        .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk; at the slowest a "
                         "disk collides 10¹⁰ times before it is jammed.",
-       .least = slowest_growth,
-       .most = fastest_growth,
+       .min = slowest_growth,
+       .max = fastest_growth,
        .default_note = "0.001"},
       settings.rate);
   visitor.visit({.key = "packing_fraction",
                  .documentation = "quench: the packing fraction to which all radii are scaled first.",
-                 .least = least_packing_fraction,
-                 .most = max_packing_fraction_of_stages,
+                 .min = min_packing_fraction,
+                 .max = max_packing_fraction_of_stages,
                  .default_note = "as it is"},
                 settings.packing_fraction);
   visitor.visit({.key = "until_packing_fraction",
                  .documentation = "grow, compress, decompress: where the stage ends.",
-                 .least = least_packing_fraction,
-                 .most = max_packing_fraction_of_stages,
+                 .min = min_packing_fraction,
+                 .max = max_packing_fraction_of_stages,
                  .default_note = "no end by packing fraction"},
                 settings.until_packing_fraction);
   visitor.visit(
       {.key = "until_pressure",
        .documentation = "Where the stage ends: grow at a reduced pressure βP/ρ above 1, compress and decompress at "
                         "P D²/ε below 1.",
-       .least = 0.0,
-       .least_is_allowed = false,
+       .min = 0.0,
+       .min_is_allowed = false,
        .default_note = "no end by pressure"},
       settings.until_pressure);
   visitor.visit({.key = "until_time",
                  .unit = "time",
                  .documentation = "run: the time that passes.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
+                 .min = 0.0,
+                 .min_is_allowed = false,
                  .default_note = "no end by time"},
                 settings.until_time);
   visitor.visit({.key = "collisions_per_disk",
                  .documentation = "run: collisions that every disk has on average.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
+                 .min = 0.0,
+                 .min_is_allowed = false,
                  .default_note = "no end by collisions"},
                 settings.collisions_per_disk);
   visitor.visit({.key = "levels_per_decade",
                  .documentation = "decompress: pressures in a factor of ten at which a minimum is found and kept.",
-                 .least = 1,
-                 .most = static_cast<double>(PressureRampSettings::most_levels_per_decade),
+                 .min = 1,
+                 .max = static_cast<double>(PressureRampSettings::max_levels_per_decade),
                  .default_note = "2"},
                 settings.levels_per_decade);
   visitor.visit(
       {.key = "step",
        .documentation = "compress, decompress: steps in packing fraction, while nothing presses or where the stage "
                         "ends at one.",
-       .least = PressureRampSettings::least_step,
-       .most = PressureRampSettings::most_step,
+       .min = PressureRampSettings::min_step,
+       .max = PressureRampSettings::max_step,
        .default_note = "0.001"},
       settings.step);
   visitor.visit({.key = "sweeps",
                  .documentation = "swap: trial moves for each disk.",
-                 .least = 1,
-                 .most = static_cast<double>(most_sweeps),
+                 .min = 1,
+                 .max = static_cast<double>(max_sweeps),
                  .default_note = "none"},
                 settings.sweeps);
   visitor.visit({.key = "swap_fraction",
                  .documentation = "swap: share of the trial moves that exchange two radii.",
-                 .least = 0.0,
-                 .most = 1.0,
-                 .most_is_allowed = false,
+                 .min = 0.0,
+                 .max = 1.0,
+                 .max_is_allowed = false,
                  .default_note = "0.2"},
                 settings.swap_fraction);
 }
@@ -261,10 +261,10 @@ void describe(SoftSettings& settings, SettingVisitor& visitor) {
   visitor.visit(
       {.key = "residual",
        .documentation = "A minimum is found where the largest net force is this share of the mean contact force.",
-       .least = 0.0,
-       .most = 1.0,
-       .least_is_allowed = false,
-       .most_is_allowed = false},
+       .min = 0.0,
+       .max = 1.0,
+       .min_is_allowed = false,
+       .max_is_allowed = false},
       settings.residual);
 }
 

@@ -118,7 +118,7 @@ class RampStage final : public Stage {
   /// Whether the first minimum lies beyond the pressure to reach: a decompression does not compress.
   bool leads_away() const {
     if (!settings_.until_pressure || ramp_.levels().empty()) return false;
-    constexpr double tolerance = PressureRamp::most_share_of_goal;
+    constexpr double tolerance = PressureRamp::max_share_of_goal;
     double const first = ramp_.levels().front().pressure;
     return compresses() ? first > tolerance * *settings_.until_pressure : tolerance * first < *settings_.until_pressure;
   }

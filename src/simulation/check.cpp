@@ -19,7 +19,7 @@ namespace gridlock {
 namespace {
 
 /// Counts of collisions end before 2⁶⁴.
-constexpr double most_collisions = 9e18;
+constexpr double max_collisions = 9e18;
 
 /// A table of something that is not run would be left out without a word.
 void refuse_tables_of_others(Configuration const& configuration, IsGiven const& is_given) {
@@ -133,7 +133,7 @@ void check_end(Setup const& setup) {
   Simulation const& simulation = *setup.simulation;
   static_cast<void>(chosen_columns(simulation.view().names(), trajectory.columns));
   if (run.collisions_per_disk &&
-      *run.collisions_per_disk * static_cast<double>(simulation.agents()) / 2.0 >= most_collisions) {
+      *run.collisions_per_disk * static_cast<double>(simulation.agents()) / 2.0 >= max_collisions) {
     throw Error({.what = fmt::format("no run reaches {:.3g} collisions per disk", *run.collisions_per_disk),
                  .hint = "use a smaller number",
                  .key = "run.collisions_per_disk"});

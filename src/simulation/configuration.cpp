@@ -55,12 +55,12 @@ void describe(RunSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "time",
                  .unit = "time",
                  .documentation = "Length of the run in physical time; the run ends at whichever length comes first.",
-                 .least = 0.0,
+                 .min = 0.0,
                  .default_note = "no limit"},
                 settings.time);
   visitor.visit({.key = "collisions_per_disk",
                  .documentation = "Length of the run in collisions every disk has had on average.",
-                 .least = 0.0,
+                 .min = 0.0,
                  .default_note = "no limit"},
                 settings.collisions_per_disk);
   visitor.visit({.key = "seed", .documentation = "Every random number of the run follows from it."}, settings.seed);
@@ -75,7 +75,7 @@ void describe(CheckpointSettings& settings, SettingVisitor& visitor) {
       {.key = "every_seconds",
        .unit = "s of real time",
        .documentation = "How often a run saves itself, so that gridlock resume can continue from there; 0 for never.",
-       .least = 0.0},
+       .min = 0.0},
       settings.every_seconds);
   visitor.visit({.key = "every_steps",
                  .documentation = "Besides, a checkpoint whenever about this many steps have passed; 0 for none."},

@@ -43,7 +43,7 @@ void resolve(Configuration& configuration) {
 /// A speed near 0 makes a time step that cannot be computed with.
 void require_bounded_step(EngineSettings const& engine, DisksOverview const& disks) {
   double const duration = step_duration(engine, disks.radii.smallest);
-  if (!engine_record(engine.kind).has_time_step || duration <= most_magnitude) return;
+  if (!engine_record(engine.kind).has_time_step || duration <= max_magnitude) return;
   throw Error({.what = fmt::format("engine.speed = {} makes a time step of {:.3g}, too long to compute with",
                                    engine.speed.value_or(1.0), duration),
                .hint = "use a speed near that of the disks, or 0 for a speed of 1",
@@ -54,13 +54,13 @@ void require_bounded_step(EngineSettings const& engine, DisksOverview const& dis
 void require_clock(Clock const& clock, DisksOverview const& disks, std::filesystem::path const& start_file,
                    EngineSettings const& engine) {
   // As many as any run can have from there; the counts of steps end at 2⁶⁴ − 1.
-  constexpr std::uint64_t most_steps = never_reached / 2;
+  constexpr std::uint64_t max_steps = never_reached / 2;
   auto const refuse = [&](std::string what, std::string hint) {
     throw Error({.what = start_file.empty() ? what : fmt::format("{}: {}", start_file.string(), what),
                  .hint = std::move(hint),
                  .key = "disks.file"});
   };
-  if (clock.step > most_steps) {
+  if (clock.step > max_steps) {
     refuse(fmt::format("step {} is too late for a start: the counts of a run end at {}", clock.step, never_reached),
            "set step in its second line to a smaller number, such as 0");
   }
@@ -133,12 +133,12 @@ bool keep_apart(State const& state, std::size_t i, std::size_t j) {
 }
 
 /// Beyond that nobody looks at all pairs.
-constexpr std::size_t most_disks_for_all_pairs = 2000;
+constexpr std::size_t max_disks_for_all_pairs = 2000;
 
 /// Whether any two disks can ever meet, as far as that is plain to see.
 bool can_collide(State const& state) {
   if (state.agents.size() < 2 || !(kinetic_energy(state.agents) > 0.0)) return false;
-  if (state.agents.size() > most_disks_for_all_pairs) return true;
+  if (state.agents.size() > max_disks_for_all_pairs) return true;
   for (std::size_t i = 0; i < state.agents.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!keep_apart(state, i, j)) return true;
@@ -445,10 +445,10 @@ StartOfRanks start_of_ranks(Setup& setup, SetupOptions const& options) {
   if (!options.start && !disks.file.empty()) {
     StartOfRanks start{.whole = std::nullopt, .file = open_start_file(setup, options)};
     disks.start = StartKind::file;
-    if (start.file->count() > most_disks_for_all_pairs) return start;
+    if (start.file->count() > max_disks_for_all_pairs) return start;
     return {.whole = read_noted_start(*start.file, setup, options), .file = std::nullopt};
   }
-  bool const is_small = disks.count.value_or(0) <= most_disks_for_all_pairs;
+  bool const is_small = disks.count.value_or(0) <= max_disks_for_all_pairs;
   if (options.start || disks.start == StartKind::uniform || is_small) {
     return {.whole = start_of(setup, options), .file = std::nullopt};
   }

@@ -17,10 +17,10 @@ namespace gridlock {
 namespace {
 
 /// Beyond it not every whole number is a double.
-constexpr double most_steps = 9007199254740992.0;
+constexpr double max_steps = 9007199254740992.0;
 
 std::uint64_t whole_steps(double steps) {
-  if (steps >= 0.0 && steps <= most_steps && steps == std::floor(steps)) return static_cast<std::uint64_t>(steps);
+  if (steps >= 0.0 && steps <= max_steps && steps == std::floor(steps)) return static_cast<std::uint64_t>(steps);
   throw Error({.what = fmt::format("{} is not a number of steps", steps),
                .hint = "use whole numbers, 0 or above",
                .key = "trajectory.steps"});
@@ -29,7 +29,7 @@ std::uint64_t whole_steps(double steps) {
 std::uint64_t steps_until(double time, double time_step) {
   // A time meant as a multiple of the step must not miss it for a rounding.
   double const steps = std::ceil(time / time_step * (1.0 - 1e-12));
-  if (time >= 0.0 && steps <= most_steps) return static_cast<std::uint64_t>(steps);
+  if (time >= 0.0 && steps <= max_steps) return static_cast<std::uint64_t>(steps);
   throw Error({.what = fmt::format("{} is not a time that a run with steps of {} reaches", time, time_step),
                .hint = "use times after the start of the run, 0 or above",
                .key = "trajectory.times"});
@@ -47,7 +47,7 @@ void describe(TrajectorySettings& settings, SettingVisitor& visitor) {
       {.key = "per_decade",
        .documentation = "Frames for each factor of ten in the number of steps, evenly in its logarithm; 0 for "
                         "none.",
-       .most = 1000},
+       .max = 1000},
       settings.per_decade);
   visitor.visit(
       {.key = "origin_every",
@@ -67,7 +67,7 @@ void describe(TrajectorySettings& settings, SettingVisitor& visitor) {
                                   "radius\", or \"all\"."},
                 settings.columns);
   visitor.visit(
-      {.key = "compression", .documentation = "From 0, none, over 1, the fastest, to 9, the smallest file.", .most = 9},
+      {.key = "compression", .documentation = "From 0, none, over 1, the fastest, to 9, the smallest file.", .max = 9},
       settings.compression);
   visitor.visit({.key = "author", .documentation = "Whose trajectory it is, as the file says."}, settings.author);
 }
@@ -110,7 +110,7 @@ FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_ste
   for (double const time : settings.times) steps_.push_back(steps_until(time, time_step));
   if (settings.per_decade > 0) {
     if (origin_every_ > 0) after_origin_.push_back(0);
-    double const most = origin_every_ > 0 ? static_cast<double>(origin_every_) : most_steps;
+    double const most = origin_every_ > 0 ? static_cast<double>(origin_every_) : max_steps;
     double const share = 1.0 / static_cast<double>(settings.per_decade);
     for (double k = 0.0;; ++k) {
       double const steps = std::floor(std::pow(10.0, k * share) + 0.5);

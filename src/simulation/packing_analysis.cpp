@@ -69,7 +69,7 @@ void add_elasticity(Json& json, PackingAnalysis const& analysis) {
   json["shear_modulus"] = number(moduli.shear());
   json["shear_modulus_xy"] = number(moduli.shear_xy());
   json["shear_modulus_xx_yy"] = number(moduli.shear_xx_yy());
-  json["least_shear_modulus"] = number(moduli.least_shear());
+  json["least_shear_modulus"] = number(moduli.min_shear());
   json["elastic_xxxx"] = number(moduli.xxxx);
   json["elastic_yyyy"] = number(moduli.yyyy);
   json["elastic_xyxy"] = number(moduli.xyxy);

@@ -255,7 +255,7 @@ Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
 /// the last digits.
 bool presses(StageResult const& stage) {
   PressureLevel const& level = stage.levels.back();
-  bool const is_apart = level.backbone_disks == 0 && level.energy < least_energy_of_a_disk * stage.disks;
+  bool const is_apart = level.backbone_disks == 0 && level.energy < min_energy_of_a_disk * stage.disks;
   return level.pressure > 0.0 && !is_apart;
 }
 

@@ -22,10 +22,10 @@ constexpr std::uint64_t default_steps = 10'000;
 }  // namespace
 
 bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<Event>& notes) {
-  constexpr double least_attempts = 3e7;
+  constexpr double min_attempts = 3e7;
   constexpr double seconds_per_attempt = 1.5e-7;
   double const seconds = attempts * seconds_per_attempt;
-  if (attempts < least_attempts || options.on_slow_start(seconds)) return true;
+  if (attempts < min_attempts || options.on_slow_start(seconds)) return true;
   notes.push_back({.kind = EventKind::start_not_tried, .key = key, .values = {{"seconds", seconds}}});
   return false;
 }

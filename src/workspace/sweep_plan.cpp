@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_runs = 100'000;
+constexpr std::size_t max_runs = 100'000;
 constexpr std::size_t longest_name = 120;
 
 std::string last_part(std::string const& key) { return key.substr(key.rfind('.') + 1); }
@@ -200,8 +200,8 @@ SweepPlan plan_sweep(SettingsFile file) {
   std::size_t count = 1;
   for (SettingList const& list : lists) {
     plan.keys.push_back(list.key);
-    if (list.values.size() > most_runs / count) {
-      throw Error({.what = fmt::format("the sweep has more than {} runs", most_runs),
+    if (list.values.size() > max_runs / count) {
+      throw Error({.what = fmt::format("the sweep has more than {} runs", max_runs),
                    .hint = "list fewer values",
                    .key = "sweep"});
     }

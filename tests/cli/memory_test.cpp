@@ -21,7 +21,7 @@ namespace {
 constexpr int disks = 300'000;
 
 /// The most memory, in bytes a disk, that a run held in a process of its own.
-double most_bytes_per_disk(std::string const& engine, std::vector<std::string> const& more) {
+double max_bytes_per_disk(std::string const& engine, std::vector<std::string> const& more) {
   Workplace const workplace;
   std::vector<std::string> arguments{"run",     std::string(GRIDLOCK_SOURCE_DIR) + "/scenes/paper.toml",
                                      "--quiet", "--no-pictures",
@@ -43,11 +43,10 @@ TEST(Memory, OfARunStaysBelowWhatItsPartsNeed) {
 #ifdef GRIDLOCK_IS_SANITIZED
   GTEST_SKIP() << "a sanitizer takes memory of its own";
 #endif
-  EXPECT_LT(
-      most_bytes_per_disk("tiled", {"--set", "checkpoint.every_seconds=0", "--set", "checkpoint.keep_last=false"}),
-      380.0);
-  EXPECT_LT(most_bytes_per_disk("tiled", {"--set", "checkpoint.every_steps=1"}), 420.0);
-  EXPECT_LT(most_bytes_per_disk("exact", {"--set", "checkpoint.every_steps=1"}), 700.0);
+  EXPECT_LT(max_bytes_per_disk("tiled", {"--set", "checkpoint.every_seconds=0", "--set", "checkpoint.keep_last=false"}),
+            380.0);
+  EXPECT_LT(max_bytes_per_disk("tiled", {"--set", "checkpoint.every_steps=1"}), 420.0);
+  EXPECT_LT(max_bytes_per_disk("exact", {"--set", "checkpoint.every_steps=1"}), 700.0);
 }
 
 }  // namespace

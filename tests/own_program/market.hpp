@@ -27,8 +27,8 @@ struct Market {
   double flights = 0.002;
 
   void describe(SettingVisitor& visitor) {
-    visitor.visit({.key = "count", .documentation = "Agents at the start.", .least = 1, .most = 1e6}, count);
-    visitor.visit({.key = "flights", .documentation = "Share of agents that fly in a step.", .least = 0, .most = 1},
+    visitor.visit({.key = "count", .documentation = "Agents at the start.", .min = 1, .max = 1e6}, count);
+    visitor.visit({.key = "flights", .documentation = "Share of agents that fly in a step.", .min = 0, .max = 1},
                   flights);
   }
   double cutoff() const { return 0.02; }

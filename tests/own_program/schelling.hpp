@@ -25,8 +25,8 @@ struct Schelling {
   double tolerance = 0.5;
 
   void describe(SettingVisitor& visitor) {
-    visitor.visit({.key = "count", .documentation = "Agents.", .least = 1, .most = 1e6}, count);
-    visitor.visit({.key = "tolerance", .documentation = "Share of others an agent bears.", .least = 0, .most = 1},
+    visitor.visit({.key = "count", .documentation = "Agents.", .min = 1, .max = 1e6}, count);
+    visitor.visit({.key = "tolerance", .documentation = "Share of others an agent bears.", .min = 0, .max = 1},
                   tolerance);
   }
   double cutoff() const { return 0.1; }

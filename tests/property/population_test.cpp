@@ -94,20 +94,20 @@ RC_GTEST_PROP(PopulationProperty, BehavesLikeAMapFromNamesToValuesUnderAnySequen
 RC_GTEST_PROP(PopulationProperty, BirthsAndDeathsUseNoMoreSlotsThanWereEverAliveAtOnce, ()) {
   Marbles marbles;
   std::vector<Id> alive;
-  std::size_t most_alive = 0;
+  std::size_t max_alive = 0;
   Id largest_slot = 0;
   for (int const operation : *rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 1000))) {
     if (operation % 2 == 0 || alive.empty()) {
       alive.push_back(marbles.add(0.0, 0));
       largest_slot = std::max(largest_slot, alive.back() & 0xFFFFFFFFU);
-      most_alive = std::max(most_alive, alive.size());
+      max_alive = std::max(max_alive, alive.size());
     } else {
       std::size_t const victim = static_cast<std::size_t>(operation) % alive.size();
       marbles.remove(alive[victim]);
       alive.erase(alive.begin() + static_cast<std::ptrdiff_t>(victim));
     }
   }
-  RC_ASSERT(most_alive == 0 || largest_slot < most_alive);
+  RC_ASSERT(max_alive == 0 || largest_slot < max_alive);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ RC_GTEST_PROP(PairsOfRows, AreThoseOfTheDefinitionInItsOrderWithAnyInstructions,
 TEST(PairsOfRows, AreAllOfThemWhereACellHoldsMoreThanAKernelTakes) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     Box const box(1.25, 0.8, edge);
-    constexpr std::size_t count = 3 * most_candidates;
+    constexpr std::size_t count = 3 * max_candidates;
     constexpr double cutoff = 0.01;
     std::vector<double> x;
     std::vector<double> y;

@@ -340,13 +340,13 @@ double Session::cutoff() {
 
 CellLayout Session::layout() {
   // As the paper's lists, whose cells do not shrink below the cutoff, and no finer than a screen shows.
-  static constexpr double most_cells = 4096.0;
+  static constexpr double max_cells = 4096.0;
   Box const& box = simulation().box();
   auto const cells = [](double length, double side) {
-    return static_cast<std::uint64_t>(std::clamp(std::floor(length / side), 1.0, most_cells));
+    return static_cast<std::uint64_t>(std::clamp(std::floor(length / side), 1.0, max_cells));
   };
   if (auto const asked = setup_.configuration.engine.cells; asked && setup_.configuration.model.kind == "disks") {
-    std::uint64_t const k = std::clamp<std::uint64_t>(*asked, 1, static_cast<std::uint64_t>(most_cells));
+    std::uint64_t const k = std::clamp<std::uint64_t>(*asked, 1, static_cast<std::uint64_t>(max_cells));
     return {box, k, k};
   }
   double const side = cutoff();

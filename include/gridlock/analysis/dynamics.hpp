@@ -34,7 +34,7 @@ struct TrajectoryInMemory {
 struct DynamicsSettings {
   double wave_number = 0.0;     ///< q of F_s(q, t), in 1 / length; 0: it is left out
   double overlap_length = 0.0;  ///< a of the overlap; 0: it is left out
-  std::size_t most_lags = 0;    ///< so many lags at most, evenly in their logarithm; 0: all
+  std::size_t max_lags = 0;     ///< so many lags at most, evenly in their logarithm; 0: all
   bool keeps_drift = true;      ///< false: positions count from the mean of all agents of their frame
   std::uint64_t threads = 1;    ///< 0: all cores
 };

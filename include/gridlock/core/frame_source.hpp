@@ -84,8 +84,8 @@ std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, st
 
 /// Calls visit(first, count) for pieces of at most so many rows that make up all, one after the other.
 template <class Visit>
-void for_each_piece(std::size_t rows, std::size_t most_rows, Visit visit) {
-  for (std::size_t first = 0; first < rows; first += most_rows) visit(first, std::min(most_rows, rows - first));
+void for_each_piece(std::size_t rows, std::size_t max_rows, Visit visit) {
+  for (std::size_t first = 0; first < rows; first += max_rows) visit(first, std::min(max_rows, rows - first));
 }
 
 }  // namespace gridlock

@@ -256,7 +256,7 @@ class Population {
   };
 
   /// Beyond 64 for each agent, in what is restored: each takes memory.
-  static constexpr std::size_t most_unused_names = std::size_t{1} << 22;
+  static constexpr std::size_t max_unused_names = std::size_t{1} << 22;
 
   static std::size_t slot_of(Id id) { return static_cast<std::size_t>(id & 0xFFFFFFFFU); }
   static std::uint32_t generation_of(Id id) { return static_cast<std::uint32_t>(id >> 32); }
@@ -289,7 +289,7 @@ class Population {
     // In a population that was serialized in parts only the living may have a name.
     for (Id const id : ids_) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
     for (Id const id : names.free()) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
-    archive.require(slots <= 64 * (ids_.size() + names.free().size()) + most_unused_names,
+    archive.require(slots <= 64 * (ids_.size() + names.free().size()) + max_unused_names,
                     "the Ids of the agents leave too many out");
     slots_.assign(slots, {});
     free_slots_.clear();

@@ -7,7 +7,7 @@
 /// struct Gas {
 ///   double temperature = 1.0;
 ///   void describe(SettingVisitor& visitor) {
-///     visitor.visit({.key = "temperature", .documentation = "How hot the gas is.", .least = 0.0}, temperature);
+///     visitor.visit({.key = "temperature", .documentation = "How hot the gas is.", .min = 0.0}, temperature);
 ///   }
 /// };
 /// ```
@@ -30,10 +30,10 @@ struct SettingInfo {
   std::string_view key;            ///< within its table, for example "packing_fraction"
   std::string_view unit;           ///< empty for pure numbers and words
   std::string_view documentation;  ///< one sentence
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool least_is_allowed = true;  ///< whether `least` itself is a value
-  bool most_is_allowed = true;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_is_allowed = true;  ///< whether `min` itself is a value
+  bool max_is_allowed = true;
   std::string_view default_note = {};  ///< what leaving it out means, where that is no fixed value
   std::string_view former_key = {};    ///< its name in earlier versions, which is refused with the new one
 };

@@ -27,7 +27,7 @@
 namespace gridlock {
 
 /// More sweeps than any machine makes.
-inline constexpr std::uint64_t most_sweeps = (std::uint64_t{1} << 40) - 1;
+inline constexpr std::uint64_t max_sweeps = (std::uint64_t{1} << 40) - 1;
 
 /// The settings of swap Monte Carlo.
 struct SwapSettings {

@@ -100,7 +100,7 @@ CombinedEstimate combine(std::span<Estimate const> runs);
 /// ```
 class BlockAverage {
  public:
-  static constexpr std::size_t most_blocks = 32;
+  static constexpr std::size_t max_blocks = 32;
 
   /// Adds one sample. Contract: both finite, weight > 0 (asserted); the weight of a rate is the time it was taken over.
   void add(double value, double weight = 1.0);
@@ -119,7 +119,7 @@ class BlockAverage {
  private:
   void open_block();
 
-  std::array<Block, most_blocks> blocks_{};
+  std::array<Block, max_blocks> blocks_{};
   std::size_t used_ = 0;
   std::uint64_t samples_per_block_ = 1;
   std::uint64_t samples_in_last_ = 0;

@@ -30,7 +30,7 @@ struct StressTensor {
 /// A minimum has no root mean square of the net forces above this share of the mean contact force.
 inline constexpr double usual_largest_residual = 1e-8;
 /// Energy of a disk, in ε, below which it does not overlap; there Minimizer ends its search.
-inline constexpr double least_energy_of_a_disk = 1e-16;
+inline constexpr double min_energy_of_a_disk = 1e-16;
 /// A minimum at that pressure has no mode with an eigenvalue below this, in ε/D². The way down from a saddle curves by
 /// some multiple of the pressure, −4p for a square lattice; what is above this bound may be rounding.
 constexpr double min_eigenvalue_of_a_minimum(double pressure) { return -(0.1 * pressure + 1e-14); }

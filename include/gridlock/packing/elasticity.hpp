@@ -41,9 +41,9 @@ struct ElasticModuli {
   /// ⟨G⟩, the mean over all directions: (G_xy + G_xx−yy)/2; between walls G_xx−yy.
   [[nodiscard]] double shear() const;
   /// The shear modulus of the softest direction.
-  [[nodiscard]] double least_shear() const;
+  [[nodiscard]] double min_shear() const;
   /// Whether every shear of the box costs energy.
-  [[nodiscard]] bool is_shear_stable() const { return least_shear() > 0.0; }
+  [[nodiscard]] bool is_shear_stable() const { return min_shear() > 0.0; }
 };
 
 /// The elastic moduli of the backbone, with the motions of the disks in a strained box: H u = −Ξ, C = Born − Ξ H⁻¹ Ξ.

@@ -31,17 +31,17 @@ namespace gridlock {
 
 /// Packing fractions of soft disks: below, disks are so far apart that they never meet; above, each overlaps all around
 /// it.
-inline constexpr double least_packing_fraction = 1e-6;
-inline constexpr double most_packing_fraction = 4.0;
+inline constexpr double min_packing_fraction = 1e-6;
+inline constexpr double max_packing_fraction = 4.0;
 /// The largest packing fraction that a stage takes: at 1.6 a quarter of 36 quenches of 64 disks of one or two sizes end
 /// with overlaps above ½, which are no packing; at 1.5 none does.
 inline constexpr double max_packing_fraction_of_stages = 1.5;
 
 /// How a packing is brought to a pressure.
 struct PressureRampSettings {
-  static constexpr std::uint64_t most_levels_per_decade = 20;  ///< nearer ones count as one
-  static constexpr double least_step = 1e-7;
-  static constexpr double most_step = 0.1;
+  static constexpr std::uint64_t max_levels_per_decade = 20;  ///< nearer ones count as one
+  static constexpr double min_step = 1e-7;
+  static constexpr double max_step = 0.1;
   static constexpr double max_levels = 1e6;  ///< between two packing fractions
 
   MinimizerSettings minimizer = {};
@@ -105,7 +105,7 @@ char const* to_text(RampStatus status);
 class PressureRamp {
  public:
   /// Up to this multiple of a pressure counts as that level, and as the same side of the pressure asked for.
-  static constexpr double most_share_of_goal = 1.1;
+  static constexpr double max_share_of_goal = 1.1;
   /// The pressure asked for is reached up to this share of it.
   static constexpr double precision = 0.01;
 

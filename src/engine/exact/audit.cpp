@@ -13,7 +13,7 @@ namespace {
 /// How far two disks may overlap, in diameters, before it is more than rounding.
 constexpr double tolerance = 1e-12;
 /// All pairs are looked at up to this many disks.
-constexpr std::size_t most_disks_for_all_pairs = 2000;
+constexpr std::size_t max_disks_for_all_pairs = 2000;
 
 /// The centre-to-centre vector of a pair at a time of the epoch, before periodic images.
 struct RelativeFlight {
@@ -42,7 +42,7 @@ void Dynamics::audit() const {
   if (looks_for_missed_events()) audit_missed_events();
 }
 
-bool Dynamics::looks_for_missed_events() const { return size_ <= most_disks_for_all_pairs; }
+bool Dynamics::looks_for_missed_events() const { return size_ <= max_disks_for_all_pairs; }
 
 void Dynamics::audit_overlaps() const {
   auto const require_gap = [&](Index i, Index j) {

@@ -10,14 +10,14 @@ namespace {
 
 /// At most, and at least half as many; void ones are some of them.
 constexpr std::uint64_t per_bucket = 24;
-constexpr std::uint64_t most_buckets = std::uint64_t{1} << 30;
+constexpr std::uint64_t max_buckets = std::uint64_t{1} << 30;
 /// Whether an event falls into the open group decides how it is kept. Next events of few disks nearly all do where
 /// groups are large, those of many disks nearly never where groups are small, and a processor guesses either right.
 constexpr std::uint64_t few_disks = 3000;
 constexpr std::uint32_t bits_of_large_group = 11;
 constexpr std::uint32_t bits_of_small_group = 6;
 /// More than that are sorted by comparing them two by two.
-constexpr std::size_t most_ranked = 64;
+constexpr std::size_t max_ranked = 64;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void Calendar::open(double length, std::uint64_t expected, std::uint64_t disks) 
   bucket_mask_ = (1U << bucket_bits_) - 1U;
   // A power of two of buckets in an epoch whose length is one, so that the bucket of a time is found without rounding.
   std::uint64_t const buckets =
-      std::bit_ceil(std::clamp<std::uint64_t>(expected / per_bucket, std::uint64_t{bucket_mask_} + 1, most_buckets));
+      std::bit_ceil(std::clamp<std::uint64_t>(expected / per_bucket, std::uint64_t{bucket_mask_} + 1, max_buckets));
   length_ = length;
   buckets_per_time_ = static_cast<double>(buckets) / length;
   made_ = 0;
@@ -104,7 +104,7 @@ void Calendar::make_room_for_found() {
 }
 
 void Calendar::sort_due(MovingDisk const* disks) {
-  if (due_count_ <= most_ranked && rank_due()) return;
+  if (due_count_ <= max_ranked && rank_due()) return;
   std::copy_n(found_.begin(), due_count_, due_.begin());
   std::sort(due_.data(), due_.data() + due_count_,
             [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); });
@@ -112,8 +112,8 @@ void Calendar::sort_due(MovingDisk const* disks) {
 
 /// Puts each event at its place, which is how many are earlier. Says no where two have the same time.
 bool Calendar::rank_due() {
-  std::array<double, most_ranked> times;
-  std::array<std::uint64_t, most_ranked> ranks;
+  std::array<double, max_ranked> times;
+  std::array<std::uint64_t, max_ranked> ranks;
   std::size_t const batches = (due_count_ + times_per_batch - 1) / times_per_batch;
   std::fill_n(times.begin() + static_cast<std::ptrdiff_t>((batches - 1) * times_per_batch), times_per_batch, never);
   for (std::size_t k = 0; k < due_count_; ++k) times[k] = found_[k].time;

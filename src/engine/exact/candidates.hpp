@@ -17,11 +17,11 @@ inline constexpr std::size_t slots_per_cell = 4;
 /// well how often a loop turns.
 inline constexpr std::size_t batch = 8;
 /// Those of nine full cells, rounded up.
-inline constexpr std::size_t most_candidates = 40;
+inline constexpr std::size_t max_candidates = 40;
 
 /// The disks around a disk, moved together, and behind them `nobody` up to a full batch.
 struct Candidates {
-  alignas(64) Index disks[most_candidates + batch];
+  alignas(64) Index disks[max_candidates + batch];
   std::size_t count;
 };
 
@@ -49,7 +49,7 @@ Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Pred
   auto const consider = [&](Index name) {
     part.disks[part.count] = name;
     part.count += static_cast<std::size_t>((name != i) & (name != apart));
-    if (part.count == most_candidates) look();
+    if (part.count == max_candidates) look();
   };
   if (s.neighbours != nullptr) {
     for (Index const name : s.neighbours_of(i)) consider(name);

@@ -13,7 +13,7 @@ namespace {
 /// Wider cells have fewer borders to cross. Cells of less than √2 diameters hold no more than four equal disks, and
 /// while there are so few in nine of them, one batch has all candidates of nearly every disk.
 constexpr double side_of_wide_cells = 1.41;
-constexpr double most_candidates_in_wide_cells = 8.0;
+constexpr double max_candidates_in_wide_cells = 8.0;
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void Flight::make_room_in_cells(double time) {
     return;
   }
   double side = 2.0 * largest_radius_ * growth_.scale.at(epoch_length_) * size_of_cells_;
-  if (!is_growing() && disks_in_nine_cells(side_of_wide_cells * side) <= most_candidates_in_wide_cells) {
+  if (!is_growing() && disks_in_nine_cells(side_of_wide_cells * side) <= max_candidates_in_wide_cells) {
     side *= side_of_wide_cells;
   }
   CellLayout const layout = layout_for(side);
@@ -71,7 +71,7 @@ void Flight::lay_cells_by_size() {
   size_classes_.clear();
   for (double const radius : largest) {
     if (radius == 0.0) continue;
-    double const side = 2.0 * radius * lists_.most_scale + 3.0 * lists_.room;
+    double const side = 2.0 * radius * lists_.max_scale + 3.0 * lists_.room;
     size_classes_.push_back({radius, SlotGrid(layout_for(side * size_of_cells_), box_)});
   }
   cells_.resize(size_);

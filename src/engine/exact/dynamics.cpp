@@ -20,16 +20,16 @@ constexpr std::uint64_t epochs_per_sort = 8;
 constexpr std::uint64_t few_hits_in_epoch = 24;
 constexpr std::uint64_t many_hits_in_epoch = 64;
 /// Where disks come together so quickly that an epoch has more, it is cut.
-constexpr std::uint64_t most_hits_in_epoch = 1024;
+constexpr std::uint64_t max_hits_in_epoch = 1024;
 
 /// In one epoch a disk of the root mean square speed crosses no more than so many of the largest diameters or, in a
 /// dilute gas, of the mean distances between disks: paths are computed from the zero of time, and are rounded the more
 /// the longer they are. Fewer where some disks are more than four times as fast as others, because they are light, or
 /// are small and thus touch at a small distance.
-constexpr double most_diameters_in_epoch = 16.0;
-constexpr double most_distances_in_epoch = 4.0;
+constexpr double max_diameters_in_epoch = 16.0;
+constexpr double max_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;
-constexpr double least_diameters_in_epoch = 2.0;
+constexpr double min_diameters_in_epoch = 2.0;
 
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
@@ -98,9 +98,9 @@ void Dynamics::read_disks(State const& state) {
     largest_radius_ = radius_range(disks).largest;
     double const speed_of_lightest = std::sqrt(mean_mass / *std::ranges::min_element(mass));
     double const distance = std::sqrt(box_.area() / static_cast<double>(size_)) / (2.0 * largest_radius_);
-    double const diameters = std::max(most_diameters_in_epoch, most_distances_in_epoch * distance) *
+    double const diameters = std::max(max_diameters_in_epoch, max_distances_in_epoch * distance) *
                              std::min(1.0, moderate_speed / speed_of_lightest) * (smallest_radius_ / largest_radius_);
-    diameters_in_epoch_ = std::max(least_diameters_in_epoch, diameters);
+    diameters_in_epoch_ = std::max(min_diameters_in_epoch, diameters);
   }
   disks_.push_back({.event_time = -never, .partner = vertical_border});
   if (is_mixture) radius_.push_back(0.0);
@@ -124,7 +124,7 @@ double Dynamics::longest_epoch() const {
 
 void Dynamics::choose_epoch() {
   longest_epoch_ = longest_epoch();
-  epoch_length_ = is_growing() ? longest_epoch_ : longest_epoch_ / most_diameters_in_epoch;
+  epoch_length_ = is_growing() ? longest_epoch_ : longest_epoch_ / max_diameters_in_epoch;
 }
 
 namespace {
@@ -195,7 +195,7 @@ Dynamics::End Dynamics::run_until(TimeToStop time_to_stop, HasEnough has_enough,
     // A count that outlives interruptions, so that the moments do not depend on them.
     bool const is_look_due = counters.moves % events_per_look == 0;
     if (is_look_due) require_time_to_pass();
-    if (!grows && hits_ - hits_before_epoch_ > most_hits_in_epoch * size_) [[unlikely]]
+    if (!grows && hits_ - hits_before_epoch_ > max_hits_in_epoch * size_) [[unlikely]]
       cut_epoch();
     if ((is_look_due || is_audit_due) && should_continue && !should_continue()) return End::early;
   }
@@ -219,7 +219,7 @@ void Dynamics::end_epoch(bool may_share) {
 
 /// Continues with epochs of few hits.
 void Dynamics::cut_epoch() {
-  double const length = power_of_two_below(now_ * static_cast<double>(few_hits_in_epoch) / most_hits_in_epoch);
+  double const length = power_of_two_below(now_ * static_cast<double>(few_hits_in_epoch) / max_hits_in_epoch);
   if (!(length > 0.0)) return;  // no time has passed at all
   begin_epoch(now_, length);
 }

@@ -100,7 +100,7 @@ void Flight::refresh_prediction_input() {
                        .long_lists = lists_.long_lists.data(),
                        .places = has_lists() ? lists_.places.data() : nullptr,
                        .room = lists_.room,
-                       .margin = reach_with(lists_.room, lists_.most_scale)};
+                       .margin = reach_with(lists_.room, lists_.max_scale)};
   predictor_ = fastest_predictor(prediction_input_);
 }
 
@@ -152,19 +152,19 @@ void Flight::sort_disks_by_cell(double time) {
 /// handled.
 void Flight::fetch_far() {
   constexpr std::uint32_t buckets_ahead = 2;
-  constexpr std::uint64_t most_waiting = 48;
+  constexpr std::uint64_t max_waiting = 48;
   if (calendar_.open_bucket() != seen_bucket_) {
     seen_bucket_ = calendar_.open_bucket();
     std::uint64_t entered = 0;
     calendar_.for_each_ahead(buckets_ahead, [&](Index i, double time) {
-      if (++entered <= most_waiting) pipeline_.enter(i, time);
+      if (++entered <= max_waiting) pipeline_.enter(i, time);
     });
   }
   auto const grid_of_disk = [this](Index i) -> SlotGrid const& { return grid_of(i); };
   do {
     pipeline_.step(prediction_input_, grid_of_disk, size_);
     pipeline_.step(prediction_input_, grid_of_disk, size_);
-  } while (pipeline_.waiting() > most_waiting);
+  } while (pipeline_.waiting() > max_waiting);
 }
 
 /// Asks for what the next events but one to four need. Of disks around, only those on lists: in cells so many may be

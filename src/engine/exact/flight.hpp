@@ -181,7 +181,7 @@ class Flight {
     LargeArray<Place> places;
     double room = 0.0;                   // around the places
     std::vector<Index> around, to_tell;  // while neighbours are looked for
-    double most_scale = 1.0;             // of the radii, up to which they are good
+    double max_scale = 1.0;              // of the radii, up to which they are good
   };
   ListsOfNeighbours lists_;
   NearPlaces near_places_ = near_places_for(target());

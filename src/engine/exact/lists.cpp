@@ -12,7 +12,7 @@ namespace {
 /// larger: measured with equal disks and with mixtures of 1:1.4 to 1:10.
 constexpr double candidates_for_lists = 4.5;
 /// The least room around the place of a growing disk, in diameters of the smallest.
-constexpr double least_room_of_growing = 0.02;
+constexpr double min_room_of_growing = 0.02;
 /// By how much the disks may grow before the lists are renewed.
 constexpr double growth_of_lists = 1.001;
 
@@ -37,7 +37,7 @@ double Flight::room_for_lists() const {
   double const diameter = 2.0 * std::sqrt(mean_squared_radius_) * growth_.scale.at_zero;
   double const room = (0.2 + std::max(0.0, 0.8 - packing_fraction())) * diameter;
   if (!is_growing()) return room;
-  double const least = least_room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
+  double const least = min_room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
   return std::clamp(room * epoch_length_ / longest_epoch_, least, std::max(room, least));
 }
 
@@ -51,7 +51,7 @@ void Flight::end_lists() {
   lists_.unused.clear();
   lists_.places.clear();
   lists_.room = 0.0;
-  lists_.most_scale = 1.0;
+  lists_.max_scale = 1.0;
 }
 
 /// Begins, renews or ends the use of lists.
@@ -59,19 +59,19 @@ void Flight::end_lists() {
 void Flight::renew_lists(double time) {
   bool wants = wants_lists();
   double const scale = growth_.scale.at(epoch_length_);
-  if (wants && has_lists() && scale <= lists_.most_scale) return;
+  if (wants && has_lists() && scale <= lists_.max_scale) return;
   double const room = room_for_lists();
-  double const most_scale = is_growing() ? growth_of_lists * scale : 1.0;
+  double const max_scale = is_growing() ? growth_of_lists * scale : 1.0;
   // Kernels read the names of sixteen disks; and there must be one image of a neighbour that is the nearest.
-  double const least_side = 3.0 * reach_with(room, most_scale);
-  wants &= size_ >= 16 && !(box_.is_periodic() && std::min(box_.width(), box_.height()) < least_side);
+  double const min_side = 3.0 * reach_with(room, max_scale);
+  wants &= size_ >= 16 && !(box_.is_periodic() && std::min(box_.width(), box_.height()) < min_side);
   if (!wants) {
     if (has_lists()) size_classes_.clear();
     end_lists();
     return;
   }
   lists_.room = room;
-  lists_.most_scale = most_scale;
+  lists_.max_scale = max_scale;
   lists_.places.resize(size_);
   for (Index i = 0; i < size_; ++i) lists_.places[i] = place_of(disks_[i], time);
   lay_cells_by_size();
@@ -101,7 +101,7 @@ std::span<Index const> Flight::collect_neighbours(Index i) {
   double const rooms = 2.0 * lists_.room;
   std::vector<Index>& names = lists_.around;
   std::size_t count = 0;
-  for_each_run_around({place.x, place.y}, radius_of(i), lists_.most_scale, rooms, [&](std::span<Index const> slots) {
+  for_each_run_around({place.x, place.y}, radius_of(i), lists_.max_scale, rooms, [&](std::span<Index const> slots) {
     std::size_t const room = count + slots.size() + names_per_batch;
     if (names.size() < room) names.resize(2 * room);
     count += near_places_.collect(slots.data(), slots.size(), i, names.data() + count);
@@ -112,7 +112,7 @@ std::span<Index const> Flight::collect_neighbours(Index i) {
                             .own_radius = radius_of(i),
                             .rooms = rooms,
                             // A hair more than contact, for places and paths are rounded.
-                            .scale = lists_.most_scale * (1.0 + 1e-9),
+                            .scale = lists_.max_scale * (1.0 + 1e-9),
                             .width = box_.width(),
                             .height = box_.height(),
                             .is_periodic = box_.is_periodic()};

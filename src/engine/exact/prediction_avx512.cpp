@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t lanes = 8;
 /// Candidates in one go; a disk that may meet more takes several.
-constexpr std::size_t most_candidates_here = 16;
+constexpr std::size_t max_candidates_here = 16;
 static_assert(batch == lanes);
 
 /// The names in one run of three cells, moved to the front of a register, after `count` others.
@@ -63,9 +63,9 @@ GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apa
   __m512i const all = _mm512_or_si512(
       below.names, _mm512_or_si512(moved_up(beside, below.count), moved_up(above, below.count + beside.count)));
   candidates.count = below.count + beside.count + above.count;
-  auto const found = static_cast<__mmask16>((1U << std::min(candidates.count, most_candidates_here)) - 1U);
+  auto const found = static_cast<__mmask16>((1U << std::min(candidates.count, max_candidates_here)) - 1U);
   _mm512_store_si512(candidates.disks, _mm512_mask_mov_epi32(nobody, found, all));
-  return candidates.count <= most_candidates_here;
+  return candidates.count <= max_candidates_here;
 }
 
 struct Columns {

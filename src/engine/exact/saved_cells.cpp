@@ -27,7 +27,7 @@ void Dynamics::serialize_lists(Archive& archive) {
   archive.visit("place_x", x);
   archive.visit("place_y", y);
   archive.visit("room", lists_.room);
-  archive.visit("most_scale", lists_.most_scale);
+  archive.visit("most_scale", lists_.max_scale);
   if (!archive.is_restoring()) return;
   archive.require(x.size() == y.size() && (x.size() == size_ || (x.empty() && lists_.room == 0.0)),
                   "the engine has other disks than the state");

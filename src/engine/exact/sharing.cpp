@@ -11,16 +11,16 @@ namespace {
 /// By how much strips become more careful when one has found its copies wrong, and less with each good window.
 constexpr double more_caution = 1.2;
 constexpr double less_caution = 0.99;
-constexpr double most_caution = 5.0;
+constexpr double max_caution = 5.0;
 /// Beyond so many hits of a disk an epoch may have to be cut at an exact moment, which one thread finds.
-constexpr std::uint64_t most_hits_in_shared_epoch = 512;
+constexpr std::uint64_t max_hits_in_shared_epoch = 512;
 
 }  // namespace
 
 bool Dynamics::share_epoch(double hits_per_time, bool is_sort_due) {
   if (is_growing() || sharing_.threads == nullptr || sharing_.threads->size() < 2) return false;
   hits_per_time_ = hits_per_time;
-  sharing_.caution = std::min(sharing_.caution, most_caution);
+  sharing_.caution = std::min(sharing_.caution, max_caution);
   StripPlan const plan = plan_strips();
   if (plan.count == 0) return false;
   lists_ = {.wish = lists_.wish};
@@ -56,7 +56,7 @@ Dynamics::End Dynamics::run_shared(double elapsed, std::uint64_t pair_collisions
   if (start < end_of_run) {
     std::uint64_t const hits = hits_ - hits_before_epoch_;
     bool const is_near_end = collisions_to_go(pair_collisions, audit_every, counters) < collisions_worth_sharing();
-    if (is_near_end || hits > most_hits_in_shared_epoch * size_) {
+    if (is_near_end || hits > max_hits_in_shared_epoch * size_) {
       end_sharing();
       return End::sharing;
     }
@@ -66,7 +66,7 @@ Dynamics::End Dynamics::run_shared(double elapsed, std::uint64_t pair_collisions
     if (!strips_->fly(*this, end, counters)) {
       ++windows_.given_up;
       sharing_.caution *= more_caution;
-      StripPlan const wider = sharing_.caution < most_caution ? plan_strips() : StripPlan{};
+      StripPlan const wider = sharing_.caution < max_caution ? plan_strips() : StripPlan{};
       if (wider.count > 0) {
         strips_->begin(*this, wider, start);
       } else {

@@ -12,7 +12,7 @@ namespace gridlock::exact {
 namespace {
 
 /// Events between two judgements: many for each disk, and a few tenths of a second.
-constexpr std::uint64_t least_events = std::uint64_t{1} << 20;
+constexpr std::uint64_t min_events = std::uint64_t{1} << 20;
 constexpr std::uint64_t events_per_disk = 16;
 
 /// A free flight of fewer last digits of a coordinate is none. Wedged disks fly for hundredths of one, jammed ones for
@@ -26,36 +26,36 @@ constexpr double digits_per_flight = 1.0;
 /// coordinates: shorter flights cannot be computed. The hits of each disk are counted only once all events together
 /// come that fast.
 void Dynamics::require_time_to_pass() {
-  if (++watch_.looks * events_per_look < std::max<std::uint64_t>(least_events, events_per_disk * size_)) return;
+  if (++watch_.looks * events_per_look < std::max<std::uint64_t>(min_events, events_per_disk * size_)) return;
   double const passed = watch_.passed + (now_ - watch_.now);
   double squared_speeds = 0.0;
   for (std::size_t i = 0; i < size_; ++i) {
     squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
   }
   double const speed = std::sqrt(squared_speeds / static_cast<double>(size_));
-  double const least_displacement =
+  double const min_displacement =
       digits_per_flight * std::numeric_limits<double>::epsilon() * std::max(box_.width(), box_.height());
   if (!watch_.collision_counts.empty()) {
-    std::uint32_t most_hits = 0;
-    Index most_hit = 0;
+    std::uint32_t max_hits = 0;
+    Index max_hit = 0;
     for (Index i = 0; i < size_; ++i) {
       std::uint32_t const hits = disks_[i].collision_count - watch_.collision_counts[disks_[i].id_index];
-      if (hits > most_hits) {
-        most_hits = hits;
-        most_hit = i;
+      if (hits > max_hits) {
+        max_hits = hits;
+        max_hit = i;
       }
     }
-    MovingDisk const& disk = disks_[most_hit];
-    if (passed * speed < most_hits * least_displacement) {
+    MovingDisk const& disk = disks_[max_hit];
+    if (passed * speed < max_hits * min_displacement) {
       throw RunFailure(
           fmt::format("time {}: no time passes: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of {:.3g}: it "
                       "is in contact on all sides and cannot move\n  hint: give the disks more space, by a lower "
                       "packing fraction or a larger box",
-                      last_event(), id_of(most_hit), disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_,
-                      most_hits, passed));
+                      last_event(), id_of(max_hit), disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_,
+                      max_hits, passed));
     }
   }
-  bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * least_displacement;
+  bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * min_displacement;
   watch_ = {.passed = 0.0, .now = now_, .looks = 0, .collision_counts = {}};
   if (!is_suspicious) return;
   watch_.collision_counts.resize(size_);

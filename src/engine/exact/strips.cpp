@@ -26,10 +26,10 @@ constexpr double paths_in_epoch = 17.0;
 /// The cost of a strip beside its disks' flight, as part of it: copies of records, comparisons, waiting.
 constexpr double cost_of_sharing = 0.12;
 /// Strips that would not be so many times as fast as one thread do not pay.
-constexpr double least_gain = 1.42;
+constexpr double min_gain = 1.42;
 /// The height of a strip, in the depth of copies: only strips beside each other meet, and each disk has one copy in a
 /// strip at most.
-constexpr double least_height = 2.0;
+constexpr double min_height = 2.0;
 
 /// Bit by bit: −0 is not 0.
 bool is_same_motion(MovingDisk const& a, MovingDisk const& b) {
@@ -228,13 +228,13 @@ void Strip::fly(double start, double end) {
   end_ = end;
   Observer observer{*this};
   // Bound for the events of a strip in a window: disks that collide without end are left to one thread.
-  std::uint64_t const most_events = 1000 * size_ + 100'000;
+  std::uint64_t const max_events = 1000 * size_ + 100'000;
   double const narrowing = end > start ? (plan_.reach - plan_.flown) / (end - start) : 0.0;
   for (std::uint64_t events = 0; !is_wrong_; ++events) {
     ScheduledEvent const* const next = next_event();
     if (next == nullptr || next->time > end) break;
     Index const i = take(next).disk;
-    if (events > most_events) is_wrong_ = true;
+    if (events > max_events) is_wrong_ = true;
     if (i < own_) {
       ++moves_;
       last_event_ = now_;
@@ -299,10 +299,10 @@ StripPlan Strips::plan(Flight const& whole, std::size_t threads, double hits_per
   double best_gain = 1.0;
   for (std::size_t count = 2; count <= std::min<std::size_t>(threads, 1024); ++count) {
     double const height = whole.box_.height() / static_cast<double>(count);
-    if (height < least_height * (plan.reach + plan.margin)) break;
+    if (height < min_height * (plan.reach + plan.margin)) break;
     double const copies = 2.0 * plan.flown + spread;
     double const gain = static_cast<double>(count) / (1.0 + cost_of_sharing + copies / height);
-    if (gain > best_gain && (gain >= least_gain || wherever_possible)) {
+    if (gain > best_gain && (gain >= min_gain || wherever_possible)) {
       best_gain = gain;
       plan.count = count;
     }

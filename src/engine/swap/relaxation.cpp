@@ -10,7 +10,7 @@ namespace gridlock {
 namespace {
 
 constexpr std::uint64_t origins_in_a_run = 16;
-constexpr std::size_t most_watched = 4096;
+constexpr std::size_t max_watched = 4096;
 constexpr double cage = 0.3;  // in mean diameters
 
 double mean_diameter(State const& state) {
@@ -69,7 +69,7 @@ Vector relative_position(SwapTrials const& trials, std::size_t i, Neighbours con
 
 Relaxation::Relaxation(State const& state, std::uint64_t sweeps)
     : disks_(state.agents.size()),
-      stride_((disks_ + most_watched - 1) / most_watched),
+      stride_((disks_ + max_watched - 1) / max_watched),
       neighbour_distance_(distance_of_neighbours(state)),
       squared_cage_(cage * mean_diameter(state) * cage * mean_diameter(state)),
       spacing_(std::max<std::uint64_t>(1, (sweeps + origins_in_a_run - 1) / origins_in_a_run)) {}

@@ -378,7 +378,7 @@ void tell_of_overlaps(Communicator& ranks, PartOfRank& part, double tolerance) {
   std::vector<Overlap> const overlaps = part.share().find_overlaps(tolerance);
   MessageWriter answer;
   answer.add(std::uint64_t{overlaps.size()});
-  answer.add_all(std::span(overlaps).first(std::min(overlaps.size(), most_overlaps_named)));
+  answer.add_all(std::span(overlaps).first(std::min(overlaps.size(), max_overlaps_named)));
   ranks.send(0, answer.take());
   static_cast<void>(part.ids_of({}));
 }
@@ -394,7 +394,7 @@ std::vector<Problem> gather_overlaps(Communicator& ranks, PartOfRank& part, doub
     std::ranges::copy(message.rest<Overlap>(), std::back_inserter(overlaps));
   }
   std::ranges::sort(overlaps, {}, [](Overlap const& overlap) { return std::pair(overlap.row, overlap.other_row); });
-  overlaps.resize(std::min(overlaps.size(), most_overlaps_named));
+  overlaps.resize(std::min(overlaps.size(), max_overlaps_named));
   std::vector<std::uint32_t> rows;
   for (Overlap const& overlap : overlaps) rows.insert(rows.end(), {overlap.row, overlap.other_row});
   std::vector<Id> const ids = part.ids_of(rows);

@@ -91,9 +91,9 @@ double sum_by_bits(std::span<double const> terms) {
 }
 
 /// Terms of every sign, of magnitudes between two powers of two.
-std::vector<double> random_terms(std::size_t count, int least_exponent, int most_exponent, std::uint64_t seed) {
+std::vector<double> random_terms(std::size_t count, int min_exponent, int max_exponent, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::uniform_int_distribution<int> exponent(least_exponent, most_exponent);
+  std::uniform_int_distribution<int> exponent(min_exponent, max_exponent);
   std::uniform_real_distribution<double> mantissa(-2.0, 2.0);
   std::vector<double> terms;
   for (std::size_t k = 0; k < count; ++k) terms.push_back(std::ldexp(mantissa(random), exponent(random)));

@@ -98,7 +98,7 @@ double standard_errors_off(int draws, double expected, std::function<double()> c
 
 constexpr int draws = 200'000;
 // The seeds are fixed, so these either hold for ever or never; 4 standard errors happen once in 16000 by chance.
-constexpr double most_errors = 4.0;
+constexpr double max_errors = 4.0;
 
 TEST(RandomStream, UniformHasTheMomentsOfTheUniformDistribution) {
   for (int power = 1; power <= 4; ++power) {
@@ -106,7 +106,7 @@ TEST(RandomStream, UniformHasTheMomentsOfTheUniformDistribution) {
     // ⟨u^p⟩ = 1/(p + 1)
     EXPECT_LT(
         std::abs(standard_errors_off(draws, 1.0 / (power + 1), [&] { return std::pow(random.uniform(), power); })),
-        most_errors)
+        max_errors)
         << "moment " << power;
   }
 }
@@ -118,7 +118,7 @@ TEST(RandomStream, NormalHasTheMomentsOfTheNormalDistribution) {
     RandomStream random(12, 0, static_cast<Id>(power), Purpose::species);
     EXPECT_LT(std::abs(standard_errors_off(draws, moments[static_cast<std::size_t>(power - 1)],
                                            [&] { return std::pow(random.normal(), power); })),
-              most_errors)
+              max_errors)
         << "moment " << power;
   }
 }
@@ -128,7 +128,7 @@ TEST(RandomStream, NormalHasTheTailsOfTheNormalDistribution) {
     RandomStream random(13, 0, 0, Purpose::species);
     double const expected = 0.5 * std::erfc(-x / std::sqrt(2.0));
     EXPECT_LT(std::abs(standard_errors_off(draws, expected, [&] { return static_cast<double>(random.normal() < x); })),
-              most_errors)
+              max_errors)
         << "P(normal < " << x << ")";
   }
 }
@@ -137,7 +137,7 @@ TEST(RandomStream, InUnitDiskIsUniformOverTheDisk) {
   // Density 1/π: ⟨x⟩ = ⟨y⟩ = ⟨xy⟩ = 0, ⟨r⟩ = 2/3, ⟨r²⟩ = 1/2, ⟨r⁴⟩ = 1/3, ⟨x²⟩ = 1/4.
   auto const expect_mean = [](double expected, auto f, char const* what) {
     RandomStream random(14, 0, 0, Purpose::species);
-    EXPECT_LT(std::abs(standard_errors_off(draws, expected, [&] { return f(random.in_unit_disk()); })), most_errors)
+    EXPECT_LT(std::abs(standard_errors_off(draws, expected, [&] { return f(random.in_unit_disk()); })), max_errors)
         << what;
   };
   expect_mean(
@@ -169,7 +169,7 @@ TEST(RandomStream, BelowReachesEveryNumberEquallyOften) {
     for (int const count : counts) chi_squared += (count - expected) * (count - expected) / expected;
     // χ² of bound − 1 degrees of freedom has that mean and twice that variance.
     double const freedom = static_cast<double>(bound - 1);
-    EXPECT_LE(chi_squared, freedom + most_errors * std::sqrt(2.0 * freedom) + 1e-9) << "bound " << bound;
+    EXPECT_LE(chi_squared, freedom + max_errors * std::sqrt(2.0 * freedom) + 1e-9) << "bound " << bound;
   }
 }
 
@@ -179,7 +179,7 @@ TEST(RandomStream, BelowHasNoModuloBias) {
   RandomStream random(17, 0, 0, Purpose::species);
   EXPECT_LT(std::abs(standard_errors_off(draws, 1.0 / 3.0,
                                          [&] { return static_cast<double>(random.below(3 * third) < third); })),
-            most_errors);
+            max_errors);
 }
 
 TEST(RandomStream, NeighbouringStreamsAreUncorrelated) {
@@ -193,7 +193,7 @@ TEST(RandomStream, NeighbouringStreamsAreUncorrelated) {
                                              ++n;
                                              return 12.0 * (a.uniform() - 0.5) * (b.uniform() - 0.5);
                                            })),
-              most_errors)
+              max_errors)
         << what;
   };
   expect_independent([](Id n) { return RandomStream(n, 0, 0, Purpose::species); }, "seeds n and n + 1");

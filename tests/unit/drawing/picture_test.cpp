@@ -155,7 +155,7 @@ TEST(Picture, ColoursGivenValuesWithinTheGivenRangeAndUnknownOnesGrey) {
   State const state = one_disk_per_cell(Edge::wall, 4, 1);
   std::vector<double> const values{-1.0, 3.0, std::nan(""), 100.0};
   auto const colours = colours_of_disks(
-      state, {.colouring = Colouring::values, .values = values, .least = 1.0, .most = 5.0, .bar_label = "x"});
+      state, {.colouring = Colouring::values, .values = values, .min = 1.0, .max = 5.0, .bar_label = "x"});
   EXPECT_EQ(colours,
             (std::vector<std::string>{to_hex(viridis(0.0)), to_hex(viridis(0.5)), "#bfbfbf", to_hex(viridis(1.0))}));
 }

@@ -30,8 +30,8 @@ struct Species {
 };
 
 void describe(Species& species, SettingVisitor& visitor) {
-  visitor.visit({.key = "fraction", .documentation = "Share of the disks.", .least = 0, .most = 1}, species.fraction);
-  visitor.visit({.key = "size_ratio", .documentation = "Relative radius.", .least = 0, .least_is_allowed = false},
+  visitor.visit({.key = "fraction", .documentation = "Share of the disks.", .min = 0, .max = 1}, species.fraction);
+  visitor.visit({.key = "size_ratio", .documentation = "Relative radius.", .min = 0, .min_is_allowed = false},
                 species.size_ratio);
 }
 
@@ -55,19 +55,19 @@ void describe(Configuration& c, SettingVisitor& visitor) {
   visitor.enter("box", "Where the disks live.");
   visit_enum(visitor, {.key = "edge", .documentation = "What a disk meets at the border."}, borders, c.edge);
   visitor.visit(
-      {.key = "side", .unit = "length", .documentation = "Side of the square.", .least = 0, .least_is_allowed = false},
+      {.key = "side", .unit = "length", .documentation = "Side of the square.", .min = 0, .min_is_allowed = false},
       c.side);
   visitor.visit({.key = "width", .unit = "length", .documentation = "Width | of the box.", .default_note = "side"},
                 c.width);
   visitor.leave();
   visitor.enter("disks", "Which disks there are.");
-  visitor.visit({.key = "count", .documentation = "Number of disks.", .least = 1, .most = 1e9}, c.count);
+  visitor.visit({.key = "count", .documentation = "Number of disks.", .min = 1, .max = 1e9}, c.count);
   visitor.visit({.key = "packing_fraction",
                  .documentation = "Share of the area covered.",
-                 .least = 0,
-                 .most = 1,
-                 .least_is_allowed = false,
-                 .most_is_allowed = false,
+                 .min = 0,
+                 .max = 1,
+                 .min_is_allowed = false,
+                 .max_is_allowed = false,
                  .former_key = "density"},
                 c.packing_fraction);
   visitor.visit({.key = "file", .documentation = "Where to read them."}, c.file);
@@ -78,7 +78,7 @@ void describe(Configuration& c, SettingVisitor& visitor) {
   visitor.enter("run", "How long.");
   visitor.visit({.key = "seed", .documentation = "Names the random numbers."}, c.seed);
   visitor.visit({.key = "pictures", .documentation = "Whether to draw."}, c.pictures);
-  visitor.visit({.key = "times", .unit = "time", .documentation = "When to draw.", .least = 0}, c.times);
+  visitor.visit({.key = "times", .unit = "time", .documentation = "When to draw.", .min = 0}, c.times);
   visitor.leave();
 }
 

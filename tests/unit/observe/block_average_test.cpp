@@ -30,11 +30,11 @@ TEST(BlockAverage, BlocksAreEqualConsecutivePiecesOfTheSeriesWhateverItsLength) 
     average.add(series.back());
     ASSERT_EQ(average.samples(), n);
     auto const blocks = average.blocks();
-    ASSERT_LE(blocks.size(), BlockAverage::most_blocks);
+    ASSERT_LE(blocks.size(), BlockAverage::max_blocks);
     ASSERT_GE(blocks.size(), std::min<std::size_t>(n, 17)) << n;
     // The length of a block is the smallest power of two for which the series fits.
     std::size_t length = 1;
-    while (length * BlockAverage::most_blocks < n) length *= 2;
+    while (length * BlockAverage::max_blocks < n) length *= 2;
     ASSERT_EQ(blocks.size(), (n + length - 1) / length) << n;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       Block expected;

@@ -299,8 +299,8 @@ class Collector final : public SettingVisitor {
   }
   void check(SettingInfo const& info, double value) {
     note(info);
-    EXPECT_GE(value, info.least) << info.key;
-    EXPECT_LE(value, info.most) << info.key;
+    EXPECT_GE(value, info.min) << info.key;
+    EXPECT_LE(value, info.max) << info.key;
   }
 };
 

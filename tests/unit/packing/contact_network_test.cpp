@@ -104,7 +104,7 @@ TEST(ContactNetwork, OfASolidIsJammedWhateverItsEnergy) {
     EXPECT_EQ(network.is_jammed(usual_largest_residual, mode), true) << overlap << ": " << network.residual_force;
   }
   ContactNetwork const soft = find_contact_network(triangular_lattice(6, 6, 3e-9), Potential::harmonic);
-  EXPECT_LT(soft.energy, least_energy_of_a_disk * 36.0);
+  EXPECT_LT(soft.energy, min_energy_of_a_disk * 36.0);
 }
 
 TEST(ContactNetwork, AtASaddleIsNotJammed) {

@@ -83,7 +83,7 @@ TEST(PressureRamp, HasLevelsThatAreWhatTheirPackingSays) {
   EXPECT_EQ(level.excess_contacts, static_cast<double>(network.excess_contacts()));
   EXPECT_EQ(level.bulk_modulus, moduli.bulk());
   EXPECT_EQ(level.shear_modulus, moduli.shear());
-  EXPECT_EQ(level.least_shear_modulus, moduli.least_shear());
+  EXPECT_EQ(level.least_shear_modulus, moduli.min_shear());
   std::uint64_t iterations = 0;
   for (PressureLevel const& each : ramp.levels()) iterations += each.iterations;
   EXPECT_EQ(iterations, ramp.minimizer().iterations());

@@ -284,20 +284,20 @@ TEST(Protocol, DescribesTheBoundsThatItsStagesCheck) {
   auto const grows = [&](double value) {
     return accepts({.kind = StageKind::grow, .rate = value, .until_packing_fraction = 0.7});
   };
-  EXPECT_TRUE(grows(rate.least) && grows(rate.most));
-  EXPECT_FALSE(grows(0.99 * rate.least) || grows(1.01 * rate.most));
+  EXPECT_TRUE(grows(rate.min) && grows(rate.max));
+  EXPECT_FALSE(grows(0.99 * rate.min) || grows(1.01 * rate.max));
   SettingInfo const& share = bounds.infos.at("swap_fraction");
   auto const swaps = [&](double value) {
     return accepts({.kind = StageKind::swap, .sweeps = 10, .swap_fraction = value});
   };
-  EXPECT_TRUE(swaps(share.least));
-  EXPECT_EQ(swaps(share.most), share.most_is_allowed);
+  EXPECT_TRUE(swaps(share.min));
+  EXPECT_EQ(swaps(share.max), share.max_is_allowed);
   SettingInfo const& step = bounds.infos.at("step");
   auto const steps = [&](double value) {
     return accepts({.kind = StageKind::compress, .until_packing_fraction = 0.9, .step = value});
   };
-  EXPECT_TRUE(steps(step.most));
-  EXPECT_FALSE(steps(1.01 * step.most) || steps(0.99 * step.least));
+  EXPECT_TRUE(steps(step.max));
+  EXPECT_FALSE(steps(1.01 * step.max) || steps(0.99 * step.min));
 }
 
 TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {

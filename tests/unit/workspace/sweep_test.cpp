@@ -341,19 +341,19 @@ TEST(SweepMeans, SayHowManyRunsTheyLeaveOut) {
 TEST(MemoryBudget, RunsThatDoNotFitTogetherWaitForOneAnother) {
   MemoryBudget budget(100.0);
   std::atomic<int> large = 0;
-  std::atomic<int> most_large = 0;
+  std::atomic<int> max_large = 0;
   std::vector<std::thread> threads;
   for (int k = 0; k < 4; ++k) {
     threads.emplace_back([&] {
       MemoryBudget::Part const part(budget, 60.0);
       int const now = ++large;
-      if (now > most_large) most_large = now;
+      if (now > max_large) max_large = now;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       --large;
     });
   }
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(most_large, 1);
+  EXPECT_EQ(max_large, 1);
 }
 
 TEST(MemoryBudget, RunsThatFitTogetherDoNotWaitAndOneThatNeverFitsIsAlone) {

@@ -70,8 +70,8 @@ class CellOrder {
   [[nodiscard]] std::uint32_t first_cell(std::size_t part, ThreadPool const& thread_pool) const;
 
   struct RowRange {
-    std::uint32_t least;  ///< of the places of cells in a range of rows
-    std::uint32_t most;
+    std::uint32_t min;  ///< of the places of cells in a range of rows
+    std::uint32_t max;
   };
 
   template <class Visit>

@@ -381,7 +381,7 @@ class PackedGrid {
 
   void grow(std::size_t agents);
   /// That many blocks are enough for so many agents, whatever the cells they are in.
-  [[nodiscard]] std::size_t most_blocks_for(std::size_t agents) const;
+  [[nodiscard]] std::size_t max_blocks_for(std::size_t agents) const;
   /// A point, in a periodic box its image inside, and its cell.
   struct CellPoint {
     Vector p;
