@@ -143,8 +143,8 @@ std::vector<int> lines_with_ranks(fs::path const& path) {
 
 /// That several processes share a run is the matter of `parallel`. These rooms still speak of it, in so many lines at
 /// most: fewer are welcome.
-std::map<std::string, std::size_t> const max_lines_with_ranks{{"lattice", 71},     {"engine", 171},   {"model", 238},
-                                                              {"simulation", 305}, {"workspace", 23}, {"apps", 40}};
+std::map<std::string, std::size_t> const max_lines_with_ranks{{"lattice", 70},     {"engine", 175},   {"model", 266},
+                                                              {"simulation", 313}, {"workspace", 25}, {"apps", 23}};
 
 TEST(Layers, OnlyTheRoomForItSpeaksOfRanks) {
   std::map<std::string, std::size_t> lines_of_room;
