@@ -218,8 +218,8 @@ void register_python_model(nb::object type, std::string name, std::string docume
   for (auto const& [column, type_name] : columns) definition->columns.push_back({column, empty_column(type_name)});
   definition->events = std::move(events);
   definition->value_names = std::move(value_names);
-  for (auto const& [key, unit, text, least, most, choices, type_name, value] : settings) {
-    definition->settings.push_back({key, unit, text, least, most, choices, value_of(type_name, value)});
+  for (auto const& [key, unit, text, min, max, choices, type_name, value] : settings) {
+    definition->settings.push_back({key, unit, text, min, max, choices, value_of(type_name, value)});
   }
   nb::gil_scoped_release const released;
   if (replaces) forget_model(definition->name);

@@ -30,8 +30,8 @@ struct SettingDefinition {
   std::string key;
   std::string unit;
   std::string documentation;
-  double least = 0.0;
-  double most = 0.0;
+  double min = 0.0;
+  double max = 0.0;
   std::vector<std::string> choices;  ///< the words it can be, where it is one of a list
   SettingValue value;
 };
