@@ -27,6 +27,7 @@
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace {
 
