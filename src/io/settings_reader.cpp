@@ -347,9 +347,10 @@ Problem SettingsReader::unknown(TomlValue const& member, std::string const& name
   } else if (!homes.empty() && !is_table) {
     // A name that another table has is no slip of the finger.
     hint = fmt::format("{} belongs in {}", name, listed(homes));
-    if (!frame.path.empty())
+    if (!frame.path.empty()) {
       hint +=
           fmt::format("; gridlock explain {} tells of the settings here", frame.kind.substr(0, frame.kind.find('[')));
+    }
   } else if (!nearest.empty()) {
     hint = fmt::format("did you mean {}?", nearest);
   } else if (!names.empty()) {
