@@ -100,8 +100,8 @@ class ThreadPool::Crew {
   void dismiss() {
     if (process_ != getpid()) {
       // After a fork the threads are those of the parent. To wait for them would be to wait for others of this process,
-      // for a system may give these the same names: they are left alone, and so is their memory. cppcheck-suppress
-      // leakReturnValNotUsed
+      // for a system may give these the same names: they are left alone, and so is their memory.
+      // cppcheck-suppress leakReturnValNotUsed
       static_cast<void>(new std::vector<std::thread>(std::move(members_)));
       return;
     }
