@@ -40,7 +40,8 @@ std::vector<CountedMass> merged(Communicator& processes, std::vector<CountedMass
         auto const first = MessageReader(left).rest<CountedMass>();
         auto const second = MessageReader(right).rest<CountedMass>();
         std::vector<CountedMass> sorted;
-        std::ranges::merge(first, second, std::back_inserter(sorted), {}, &CountedMass::mass, &CountedMass::mass);
+        std::merge(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(sorted),
+                   [](CountedMass const& a, CountedMass const& b) { return a.mass < b.mass; });
         std::vector<CountedMass> merged;
         for (CountedMass const& next : sorted) add_counted(merged, next);
         return message_of_all(std::span<CountedMass const>(merged));
