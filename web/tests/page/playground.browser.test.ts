@@ -513,7 +513,7 @@ describe("the look", () => {
         "Elastic moduli, stage 2 decompress",
       ]);
       const cells = (row: string): Promise<string[]> => side.getByRole("row", { name: row }).locator("td").allInnerTexts();
-      expect(await cells("1 quench")).toEqual(["0.86", "0.00637"]);
+      expect(await cells("1 quench")).toEqual(["0.86", "0.00774"]);
       const [end] = await cells("2 decompress");
       expect(await density.innerText()).toBe(`Of the start. Now φ = ${end}, after the protocol.`);
       const jamming = Number((await side.locator("dt", { hasText: "Jamming at φJ" }).locator("+ dd").innerText()).split(" ")[0]);
