@@ -17,8 +17,8 @@ class QuasiNewton {
   /// first_scale: the step for a unit force while nothing is known.
   QuasiNewton(std::size_t disks, double first_scale) : disks_(disks), first_scale_(first_scale) {}
 
-  /// Writes the step that leads to where forces vanish if the energy is the quadratic form that is known. Returns step
-  /// · force.
+  /// Writes the step that leads to where forces vanish if the energy is the quadratic form that is known. Returns
+  /// step · force.
   double find_direction(Columns const& force, Columns& step, ThreadPool& pool);
   /// Learns from a step that was `scale` times this one. One along which the energy curves down is not learnt from.
   void remember(Columns const& step, double scale, Columns const& force_before, Columns const& force_after,

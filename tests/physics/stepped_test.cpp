@@ -144,8 +144,8 @@ State row_of(std::vector<double> const& velocities) {
 }
 
 TEST_P(SteppedPhysics, OneMoverInARowComesBackWithThePeriodOfAFreeParticle) {
-  // Equal disks in a row exchange velocities, so x_i − (i − ½)σ are free particles that pass through one another on L'
-  // = L − Nσ; one mover repeats after 2L'/v. A period of the rule holds 2N events. Each shortens the way by less than a
+  // Equal disks in a row exchange velocities, so x_i − (i − ½)σ are free particles that pass through one another on
+  // L' = L − Nσ; one mover repeats after 2L'/v. A period of the rule holds 2N events. Each shortens the way by less than a
   // sub-step δ and shifts the time by less than one step either way: the rest of a halted move is lost, but a disk hit
   // before its own turn moves a full step at once.
   constexpr double count = 6.0;

@@ -46,8 +46,8 @@ class LocalPoints {
   [[nodiscard]] std::size_t own() const { return own_; }
   [[nodiscard]] std::size_t size() const { return points_.x.size(); }
 
-  /// Calls visit(i, j, separation) once for every pair with an own point, and for some pairs without, separation = r_j
-  /// − r_i.
+  /// Calls visit(i, j, separation) once for every pair with an own point, and for some pairs without, where
+  /// separation = r_j − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
     gridlock::for_each_pair(points_, *grid_, cutoff_, std::move(visit));

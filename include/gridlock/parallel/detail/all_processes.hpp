@@ -19,7 +19,8 @@ class AllProcesses {
  public:
   /// This process alone.
   AllProcesses();
-  AllProcesses(Communicator& communicator) : communicator_(&communicator) {}  // NOLINT(google-explicit-constructor)
+  /// All processes of a communicator, which is converted wherever they are asked for.
+  AllProcesses(Communicator& communicator) : communicator_(&communicator) {}
 
   /// The number of this process.
   [[nodiscard]] std::size_t rank() const;
