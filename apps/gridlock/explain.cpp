@@ -215,8 +215,8 @@ bool is_last_part(Configuration& configuration, std::string const& key) {
 
 /// A stage of a protocol, as "grow"; empty for another word.
 std::string explained_stage(std::string const& key) {
-  for (int kind = 0; kind <= static_cast<int>(StageKind::swap); ++kind) {
-    if (name_of(static_cast<StageKind>(kind)) != key) continue;
+  for (std::string const& kind : stage_kinds()) {
+    if (kind != key) continue;
     Configuration configuration;
     return fmt::format("{} is a stage of a [[protocol]]; gridlock explain protocol lists its settings\n\n{}", key,
                        explain(describing(configuration), "protocol.stage"));

@@ -44,7 +44,7 @@ std::string in_words(StageSettings stage) {
     if (line.empty() || line.starts_with("stage = ")) continue;
     text += (text.empty() ? ": " : ", ") + line;
   }
-  return std::string(name_of(stage.kind)) + text;
+  return stage.kind + text;
 }
 
 void print_stages(std::vector<StageSettings> const& stages) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -70,47 +71,30 @@ std::string text_of(Error const& error) {
 }
 
 /// "stage 2 of the protocol, "quench","
-std::string stage_text(std::size_t number, StageKind kind) {
-  return fmt::format("stage {} of the protocol, \"{}\",", number + 1, name_of(kind));
+std::string stage_text(std::size_t number, std::string_view kind) {
+  return fmt::format("stage {} of the protocol, \"{}\",", number + 1, kind);
 }
 
 /// The setting of a stage that an engine or a ramp knows by a key of its own; other keys as they are.
-std::string setting_of_stage(std::string const& key, std::size_t number) {
-  constexpr std::pair<std::string_view, std::string_view> settings[] = {
-      {"growth.packing_fraction", "until_packing_fraction"},
-      {"growth.pressure", "until_pressure"},
-      {"growth.rate", "rate"},
-      {"swap.sweeps", "sweeps"},
-      {"swap.swap_fraction", "swap_fraction"},
-      {"protocol.until_pressure", "until_pressure"},
-      {"protocol.until_packing_fraction", "until_packing_fraction"},
-      {"protocol.step", "step"},
-      {"stage.until_time", "until_time"},
-      {"stage.collisions_per_disk", "collisions_per_disk"}};
-  for (auto const& [name, setting] : settings) {
-    if (name == key) return fmt::format("protocol[{}].{}", number, setting);
+std::string setting_of_stage(std::string const& key, std::size_t number, StageRecord const& record) {
+  std::string const table = std::string(record.table_of_errors) + ".";
+  if (!key.starts_with(table)) return key;
+  std::string const name = key.substr(table.size());
+  for (std::string const& setting : {name, "until_" + name}) {
+    if (std::ranges::find(record.settings, setting) != record.settings.end())
+      return fmt::format("protocol[{}].{}", number, setting);
   }
   return key;
 }
 
 /// The error that keeps a stage from beginning, with the stage and its settings.
-Error located(Error const& error, std::size_t number, StageKind kind) {
+Error located(Error const& error, std::size_t number, StageRecord const& record) {
   std::vector<Problem> problems = error.problems();
   for (Problem& problem : problems) {
-    problem.what = fmt::format("{} cannot begin: {}", stage_text(number, kind), problem.what);
-    problem.key = setting_of_stage(problem.key, number);
+    problem.what = fmt::format("{} cannot begin: {}", stage_text(number, record.name), problem.what);
+    problem.key = setting_of_stage(problem.key, number, record);
   }
   return Error(std::move(problems));
-}
-
-/// A decompression of disks that do not press has nothing to do. Later stages have to take what those before leave.
-void require_pressing(StageKind kind, State const& start) {
-  if (kind != StageKind::decompress || !find_contacts(packing_of(start)).empty()) return;
-  throw Error({.what = fmt::format("stage 1 of the protocol, \"decompress\", has nothing to decompress: at packing "
-                                   "fraction {:.6g} no two disks press on each other",
-                                   packing_fraction_of(start)),
-               .hint = "begin with a stage \"quench\" or \"compress\" that ends above jamming, such as at 0.9",
-               .key = "protocol[0].stage"});
 }
 
 /// A ramp that begins where it is to end has one minimum, and nothing to extrapolate: the stage before knows where
@@ -128,11 +112,12 @@ Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(st
   require_valid(settings_.stages, packing_fraction_of(start));
   // To refuse what cannot begin; the stage itself begins with the disks as they are then.
   if (settings_.stages.empty()) return;
-  require_pressing(settings_.stages.front().kind, start);
+  StageRecord const& record = stage_record(settings_.stages.front().kind);
+  if (record.require_start != nullptr) record.require_start(start);
   try {
-    static_cast<void>(make_stage(settings_, 0, start));
+    static_cast<void>(record.make(settings_, 0, start));
   } catch (Error const& error) {
-    throw located(error, 0, settings_.stages.front().kind);
+    throw located(error, 0, record);
   }
 }
 
@@ -141,7 +126,7 @@ Protocol::~Protocol() = default;
 bool Protocol::advance(State& state, std::function<bool()> const& should_continue) {
   while (stage() < stages()) {
     begin_stage(state);
-    StageKind const kind = settings_.stages[stage()].kind;
+    std::string const& kind = settings_.stages[stage()].kind;
     try {
       if (!current_->advance(state, should_continue)) return false;
       StageResult result = current_->result(state);
@@ -163,16 +148,16 @@ bool Protocol::advance(State& state, std::function<bool()> const& should_continu
 
 void Protocol::begin_stage(State const& state) {
   if (current_) return;
+  StageRecord const& record = stage_record(settings_.stages[stage()].kind);
   try {
-    current_ = make_stage(settings_, stage(), state);
+    current_ = record.make(settings_, stage(), state);
   } catch (Error const& error) {
-    Error const here = located(error, stage(), settings_.stages[stage()].kind);
-    throw RunFailure(text_of(here));
+    throw RunFailure(text_of(located(error, stage(), record)));
   }
 }
 
 std::string Protocol::name_of_stage() const {
-  return stage() < stages() ? std::string(name_of(settings_.stages[stage()].kind)) : std::string();
+  return stage() < stages() ? settings_.stages[stage()].kind : std::string();
 }
 
 std::uint64_t Protocol::work() const {
@@ -193,7 +178,8 @@ void Protocol::serialize(Archive& archive, State const& state) {
   bool has_begun = current_ != nullptr;
   archive.visit("has_begun", has_begun);
   archive.require(!has_begun || stage() < stages(), "a protocol has begun a stage that it does not have");
-  if (archive.is_restoring()) current_ = has_begun ? make_stage(settings_, stage(), state) : nullptr;
+  if (archive.is_restoring())
+    current_ = has_begun ? stage_record(settings_.stages[stage()].kind).make(settings_, stage(), state) : nullptr;
   if (current_) serialize_inside(archive, "stage", [&] { current_->serialize(archive, state); });
 }
 

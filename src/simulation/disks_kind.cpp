@@ -200,7 +200,7 @@ std::vector<Event> notes_on_ends(std::vector<StageSettings> const& stages) {
     notes.push_back({.kind = EventKind::stage_with_two_ends,
                      .key = fmt::format("protocol[{}]", k),
                      .values = {{"stage", static_cast<std::uint64_t>(k + 1)},
-                                {"name", std::string(name_of(stage.kind))},
+                                {"name", stage.kind},
                                 {"ends", std::string(ends)}}});
   }
   return notes;
@@ -211,7 +211,7 @@ void require_no_overlaps_in_run(Configuration const& configuration) {
   if (stages.empty() || !leaves_overlaps(stages.back().kind) || !takes_steps(configuration)) return;
   throw Error(
       {.what = fmt::format("the run is one of hard disks, and the last stage of the protocol, \"{}\", leaves overlaps",
-                           name_of(stages.back().kind)),
+                           stages.back().kind),
        .hint = "add a stage \"separate\" at the end, or give [run] no length",
        .key = fmt::format("protocol[{}]", stages.size() - 1)});
 }

@@ -14,6 +14,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/packing/contact_network.hpp"
+#include "protocol/stage.hpp"
 #include "simulation/packing_analysis.hpp"
 
 namespace gridlock {
@@ -160,7 +161,7 @@ Distribution stages_table(std::vector<StageResult> const& stages) {
       .columns_of_values = std::vector<std::vector<double>>(6)};
   for (std::size_t k = 0; k < stages.size(); ++k) {
     StageResult const& stage = stages[k];
-    table.names.emplace_back(name_of(stage.kind));
+    table.names.push_back(stage.kind);
     double const row[] = {static_cast<double>(k + 1),
                           stage.packing_fraction,
                           stage.pressure.value_or(no_value),
@@ -247,7 +248,7 @@ Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
   return {.kind = kind,
           .key = "protocol",
           .values = {{"stage", static_cast<std::uint64_t>(number + 1)},
-                     {"name", std::string(name_of(stage.kind))},
+                     {"name", stage.kind},
                      {"packing_fraction", stage.packing_fraction}}};
 }
 
@@ -283,7 +284,8 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
 /// Hard disks that nearly stand still where the protocol ends.
 std::optional<Event> note_on_growth(StageResult const& stage, std::size_t number) {
   constexpr double high_pressure = 1e3;
-  if (stage.kind != StageKind::grow || !(stage.pressure.value_or(0.0) >= high_pressure)) return std::nullopt;
+  if (!stage_record(stage.kind).ends_near_jamming) return std::nullopt;
+  if (!(stage.pressure.value_or(0.0) >= high_pressure)) return std::nullopt;
   Event note = note_on(EventKind::jamming_not_known, stage, number);
   note.values.emplace_back("pressure", *stage.pressure);
   return note;
@@ -337,13 +339,11 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_peri
     if (!stages[k].levels.empty()) last_soft = k;
   }
   for (std::size_t k = 0; k < stages.size(); ++k) {
-    // A quench below jamming may be the start of a compression.
-    if (stages[k].kind == StageKind::quench && k != last_soft) continue;
+    if (stage_record(stages[k].kind).may_end_without_pressure && k != last_soft) continue;
     if (auto note = note_on_end(stages[k], k)) notes.push_back(*std::move(note));
   }
-  if (!stages.empty()) {
-    if (auto note = note_on_growth(stages.back(), stages.size() - 1)) notes.push_back(*std::move(note));
-  }
+  if (stages.empty()) return notes;
+  if (auto note = note_on_growth(stages.back(), stages.size() - 1)) notes.push_back(*std::move(note));
   if (!last_soft) return notes;
   if (auto note = note_on_unjammed(stages[*last_soft], *last_soft)) notes.push_back(*std::move(note));
   if (auto note = note_on_density(stages[*last_soft], *last_soft)) notes.push_back(*std::move(note));

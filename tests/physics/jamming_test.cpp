@@ -146,9 +146,9 @@ double grown_and_polished(double pressure) {
   disks.species = {{.fraction = 0.5, .size_ratio = 1.0}, {.fraction = 0.5, .size_ratio = 1.4}};
   State state = make_start(Box(1.0, 1.0, Edge::periodic), disks, 1);
   draw_velocities(state, {.kind = VelocityKind::maxwell});
-  Protocol protocol({.stages = {{.kind = StageKind::grow, .rate = 2e-3, .until_pressure = pressure},
-                                {.kind = StageKind::compress, .until_pressure = 1e-6},
-                                {.kind = StageKind::decompress, .until_pressure = 1e-8}}},
+  Protocol protocol({.stages = {{.kind = "grow", .rate = 2e-3, .until_pressure = pressure},
+                                {.kind = "compress", .until_pressure = 1e-6},
+                                {.kind = "decompress", .until_pressure = 1e-8}}},
                     state);
   protocol.advance(state);
   EXPECT_EQ(protocol.results().back().levels.back().excess_contacts, 0.0);

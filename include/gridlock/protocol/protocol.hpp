@@ -7,8 +7,8 @@
 /// #include "gridlock/lattice/start.hpp"
 ///
 /// State state = make_start(Box(1.0, 1.0, Edge::periodic), {.count = 64, .packing_fraction = 0.4, .start = StartKind::random}, 1);
-/// Protocol protocol({.stages = {{.kind = StageKind::quench, .packing_fraction = 0.9},
-///                               {.kind = StageKind::decompress, .until_pressure = 1e-6}}},
+/// Protocol protocol({.stages = {{.kind = "quench", .packing_fraction = 0.9},
+///                               {.kind = "decompress", .until_pressure = 1e-6}}},
 ///                   state);
 /// protocol.advance(state);
 /// double const jamming_packing_fraction = *protocol.results().back().jamming_packing_fraction;
@@ -52,7 +52,7 @@ struct SwapResult {
 
 /// The results of a stage.
 struct StageResult {
-  StageKind kind = StageKind::quench;
+  std::string kind;
   double packing_fraction = 0.0;
   /// βP/ρ for hard disks, P D²/ε for soft disks; none where it was not measured.
   std::optional<double> pressure = {};

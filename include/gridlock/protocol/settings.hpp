@@ -4,14 +4,15 @@
 /// The settings of a protocol: what happens to disks before a run.
 ///
 /// ```cpp
-/// std::vector<StageSettings> const stages{{.kind = StageKind::quench, .packing_fraction = 0.86},
-///                                         {.kind = StageKind::decompress, .until_pressure = 1e-8}};
+/// std::vector<StageSettings> const stages{{.kind = "quench", .packing_fraction = 0.86},
+///                                         {.kind = "decompress", .until_pressure = 1e-8}};
 /// require_valid(stages);  // throws Error for stages that contradict themselves
 /// ```
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/setting.hpp"
@@ -19,12 +20,9 @@
 
 namespace gridlock {
 
-/// The kinds of stage: each does one thing to the disks.
-enum class StageKind { grow, run, quench, compress, decompress, separate, swap };
-
-/// One stage, `[[protocol]]`. A kind of stage takes the settings at which it is named.
+/// One stage, `[[protocol]]`: it does one thing to the disks. A kind of stage takes the settings at which it is named.
 struct StageSettings {
-  StageKind kind = StageKind::quench;
+  std::string kind = "quench";                     ///< one of stage_kinds()
   std::optional<double> rate;                      ///< grow: γ
   std::optional<double> packing_fraction;          ///< quench: at which
   std::optional<double> until_packing_fraction;    ///< grow, compress, decompress
@@ -45,15 +43,15 @@ struct SoftSettings {
 };
 void describe(SoftSettings& settings, SettingVisitor& visitor);
 
-/// "quench"
-std::string_view name_of(StageKind kind);
+/// "grow", "run" …
+std::vector<std::string> stage_kinds();
 
-/// Whether disks may overlap when such a stage has ended.
-bool leaves_overlaps(StageKind kind);
+/// Whether disks may overlap when such a stage has ended. Errors: Error for a kind that is none of stage_kinds().
+bool leaves_overlaps(std::string_view kind);
 
-/// Throws Error, with the place of each, for stages that have settings of others, lack one that they need, start from
-/// what the stage before cannot leave, or end at a packing fraction on the other side of the one at which they are
-/// known to begin.
+/// Throws Error, with the place of each, for stages of an unknown kind, that have settings of others, lack one that they
+/// need, start from what the stage before cannot leave, or end at a packing fraction on the other side of the one at
+/// which they are known to begin.
 ///
 /// The packing fraction is that of the start, where it is known.
 void require_valid(std::vector<StageSettings> const& stages, std::optional<double> packing_fraction = {});

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +15,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "io/checkpoint.hpp"
+#include "protocol/stage.hpp"
 #include "unit/protocol/fluid.hpp"
 
 namespace gridlock {
@@ -20,14 +23,14 @@ namespace {
 
 /// Every kind of stage, each short.
 ProtocolSettings all_stages(std::uint64_t threads = 1) {
-  return {.stages = {{.kind = StageKind::grow, .rate = 0.05, .until_packing_fraction = 0.7},
-                     {.kind = StageKind::run, .collisions_per_disk = 200.0},
-                     {.kind = StageKind::swap, .sweeps = 200},
-                     {.kind = StageKind::quench, .packing_fraction = 0.9},
-                     {.kind = StageKind::decompress, .until_pressure = 1e-4},
-                     {.kind = StageKind::compress, .until_pressure = 1e-3},
-                     {.kind = StageKind::separate},
-                     {.kind = StageKind::run, .until_time = 0.01}},
+  return {.stages = {{.kind = "grow", .rate = 0.05, .until_packing_fraction = 0.7},
+                     {.kind = "run", .collisions_per_disk = 200.0},
+                     {.kind = "swap", .sweeps = 200},
+                     {.kind = "quench", .packing_fraction = 0.9},
+                     {.kind = "decompress", .until_pressure = 1e-4},
+                     {.kind = "compress", .until_pressure = 1e-3},
+                     {.kind = "separate"},
+                     {.kind = "run", .until_time = 0.01}},
           .threads = threads};
 }
 
@@ -127,7 +130,7 @@ TEST(Protocol, CountsTheEdgesThatDisksCrossWhileTheyAreQuenched) {
     state.agents.column<ImageY>()[i] = -3;
     before.push_back(unwrapped(i));
   }
-  ProtocolSettings const settings{.stages = {{.kind = StageKind::quench, .packing_fraction = 0.95}}};
+  ProtocolSettings const settings{.stages = {{.kind = "quench", .packing_fraction = 0.95}}};
   Protocol protocol(settings, state);
   protocol.advance(state);
   int crossed_x = 0;
@@ -144,8 +147,8 @@ TEST(Protocol, CountsTheEdgesThatDisksCrossWhileTheyAreQuenched) {
 }
 
 TEST(Protocol, MeasuresThePressureOfARunOverItsOwnTime) {
-  ProtocolSettings const settings{.stages = {{.kind = StageKind::run, .collisions_per_disk = 100.0},
-                                             {.kind = StageKind::run, .collisions_per_disk = 300.0}}};
+  ProtocolSettings const settings{
+      .stages = {{.kind = "run", .collisions_per_disk = 100.0}, {.kind = "run", .collisions_per_disk = 300.0}}};
   auto const pressures = [&](double clock) {
     State state = fluid();
     state.clock.time = clock;
@@ -163,8 +166,8 @@ TEST(Protocol, MeasuresThePressureOfARunOverItsOwnTime) {
 
 TEST(Protocol, RefusesToDecompressDisksThatDoNotPress) {
   State state = fluid();
-  for (StageSettings const& down : {StageSettings{.kind = StageKind::decompress, .until_pressure = 1e-4},
-                                    StageSettings{.kind = StageKind::decompress, .until_packing_fraction = 0.3}}) {
+  for (StageSettings const& down : {StageSettings{.kind = "decompress", .until_pressure = 1e-4},
+                                    StageSettings{.kind = "decompress", .until_packing_fraction = 0.3}}) {
     try {
       Protocol const protocol({.stages = {down}}, state);
       ADD_FAILURE() << "nothing presses";
@@ -173,15 +176,15 @@ TEST(Protocol, RefusesToDecompressDisksThatDoNotPress) {
       EXPECT_NE(error.problems().front().what.find("no two disks press on each other"), std::string::npos);
     }
     // A stage takes what the one before leaves: of many starts some do not jam.
-    EXPECT_NO_THROW(Protocol({.stages = {{.kind = StageKind::quench}, down}}, state));
+    EXPECT_NO_THROW(Protocol({.stages = {{.kind = "quench"}, down}}, state));
   }
   for (double& radius : state.agents.column<Radius>()) radius *= 1.6;
-  EXPECT_NO_THROW(Protocol({.stages = {{.kind = StageKind::decompress, .until_pressure = 1e-4}}}, state));
+  EXPECT_NO_THROW(Protocol({.stages = {{.kind = "decompress", .until_pressure = 1e-4}}}, state));
 }
 
 TEST(Protocol, RefusesMoreLevelsThanAnybodyKeepsWhereTheyAreKnown) {
-  StageSettings const quench{.kind = StageKind::quench, .packing_fraction = 0.9};
-  StageSettings const down{.kind = StageKind::decompress, .until_packing_fraction = 0.7, .step = 1e-7};
+  StageSettings const quench{.kind = "quench", .packing_fraction = 0.9};
+  StageSettings const down{.kind = "decompress", .until_packing_fraction = 0.7, .step = 1e-7};
   std::vector<Problem> const problems = problems_of({quench, down});
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_EQ(problems.front().key, "protocol[1].step");
@@ -197,20 +200,18 @@ TEST(Protocol, RefusesStagesThatContradictThemselves) {
     std::string what;
   };
   std::vector<Case> const cases{
-      {{{.kind = StageKind::grow}}, "protocol[0]", "does not say when it ends"},
-      {{{.kind = StageKind::run}}, "protocol[0]", "does not say when it ends"},
-      {{{.kind = StageKind::decompress}}, "protocol[0]", "does not say when it ends"},
-      {{{.kind = StageKind::quench, .rate = 1e-3}}, "protocol[0].rate", "has no setting rate"},
-      {{{.kind = StageKind::separate, .until_time = 1.0}}, "protocol[0].until_time", "has no setting until_time"},
-      {{{.kind = StageKind::compress, .until_packing_fraction = 0.9, .until_pressure = 1e-3}},
+      {{{.kind = "grow"}}, "protocol[0]", "does not say when it ends"},
+      {{{.kind = "run"}}, "protocol[0]", "does not say when it ends"},
+      {{{.kind = "decompress"}}, "protocol[0]", "does not say when it ends"},
+      {{{.kind = "quench", .rate = 1e-3}}, "protocol[0].rate", "has no setting rate"},
+      {{{.kind = "separate", .until_time = 1.0}}, "protocol[0].until_time", "has no setting until_time"},
+      {{{.kind = "compress", .until_packing_fraction = 0.9, .until_pressure = 1e-3}},
        "protocol[0].until_packing_fraction",
        "at a pressure and at a packing fraction"},
-      {{{.kind = StageKind::quench}, {.kind = StageKind::run, .until_time = 1.0}}, "protocol[1]", "leaves overlaps"},
-      {{{.kind = StageKind::compress, .until_pressure = 1.0}}, "protocol[0].until_pressure", "at a pressure of 1"},
-      {{{.kind = StageKind::grow, .until_pressure = 1.0}}, "protocol[0].until_pressure", "at a pressure of 1"},
-      {{{.kind = StageKind::run, .until_time = 1.0},
-        {.kind = StageKind::quench},
-        {.kind = StageKind::run, .until_time = 1.0}},
+      {{{.kind = "quench"}, {.kind = "run", .until_time = 1.0}}, "protocol[1]", "leaves overlaps"},
+      {{{.kind = "compress", .until_pressure = 1.0}}, "protocol[0].until_pressure", "at a pressure of 1"},
+      {{{.kind = "grow", .until_pressure = 1.0}}, "protocol[0].until_pressure", "at a pressure of 1"},
+      {{{.kind = "run", .until_time = 1.0}, {.kind = "quench"}, {.kind = "run", .until_time = 1.0}},
        "protocol[2]",
        "leaves overlaps"},
   };
@@ -225,50 +226,53 @@ TEST(Protocol, RefusesStagesThatContradictThemselves) {
 }
 
 TEST(Protocol, RefusesAnEndOnTheOtherSideWhereTheStartOfTheStageIsKnown) {
-  StageSettings const quench{.kind = StageKind::quench, .packing_fraction = 0.9};
-  StageSettings const down{.kind = StageKind::decompress, .until_packing_fraction = 0.95};
-  StageSettings const up{.kind = StageKind::compress, .until_packing_fraction = 0.85};
-  StageSettings const grow{.kind = StageKind::grow, .until_packing_fraction = 0.4};
-  StageSettings const to_pressure{.kind = StageKind::compress, .until_pressure = 1e-3};
+  StageSettings const quench{.kind = "quench", .packing_fraction = 0.9};
+  StageSettings const down{.kind = "decompress", .until_packing_fraction = 0.95};
+  StageSettings const up{.kind = "compress", .until_packing_fraction = 0.85};
+  StageSettings const grow{.kind = "grow", .until_packing_fraction = 0.4};
+  StageSettings const to_pressure{.kind = "compress", .until_pressure = 1e-3};
   for (StageSettings const& wrong : {down, up}) {
     std::vector<Problem> const problems = problems_of({quench, wrong});
     ASSERT_EQ(problems.size(), 1U);
     EXPECT_EQ(problems.front().key, "protocol[1].until_packing_fraction");
   }
-  EXPECT_EQ(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}, 0.5).size(), 1U);
-  EXPECT_TRUE(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}).empty()) << "the start is not known";
-  StageSettings const below{.kind = StageKind::grow, .until_packing_fraction = 0.3};
-  EXPECT_THROW(Protocol({.stages = {{.kind = StageKind::run, .until_time = 1.0}, below}}, fluid()), Error);
+  EXPECT_EQ(problems_of({{.kind = "run", .until_time = 1.0}, grow}, 0.5).size(), 1U);
+  EXPECT_TRUE(problems_of({{.kind = "run", .until_time = 1.0}, grow}).empty()) << "the start is not known";
+  StageSettings const below{.kind = "grow", .until_packing_fraction = 0.3};
+  EXPECT_THROW(Protocol({.stages = {{.kind = "run", .until_time = 1.0}, below}}, fluid()), Error);
   EXPECT_TRUE(problems_of({quench, to_pressure, down}).empty()) << "the disks decide where a pressure is reached";
-  StageSettings const separate{.kind = StageKind::separate};
-  StageSettings const grow_to{.kind = StageKind::grow, .until_packing_fraction = 0.8};
+  StageSettings const separate{.kind = "separate"};
+  StageSettings const grow_to{.kind = "grow", .until_packing_fraction = 0.8};
   EXPECT_TRUE(problems_of({quench, separate, grow_to}).empty()) << "the disks decide how far they shrink";
-  StageSettings const same{.kind = StageKind::decompress, .until_packing_fraction = 0.9};
+  StageSettings const same{.kind = "decompress", .until_packing_fraction = 0.9};
   EXPECT_TRUE(problems_of({quench, same}).empty());
 }
 
-TEST(Protocol, DescribesTheBoundsThatItsStagesCheck) {
-  class Bounds final : public SettingVisitor {
-   public:
-    std::map<std::string, SettingInfo, std::less<>> infos;
-    void enter(std::string_view, std::string_view) override {}
-    void leave() override {}
-    void visit(SettingInfo const& info, double&) override { note(info); }
-    void visit(SettingInfo const& info, std::optional<double>&) override { note(info); }
-    void visit(SettingInfo const& info, std::uint64_t&) override { note(info); }
-    void visit(SettingInfo const& info, std::optional<std::uint64_t>&) override { note(info); }
-    void visit(SettingInfo const& info, bool&) override { note(info); }
-    void visit(SettingInfo const& info, std::string&) override { note(info); }
-    void visit(SettingInfo const& info, std::vector<double>&) override { note(info); }
-    void visit_choice(SettingInfo const& info, std::span<std::string_view const>, std::size_t&) override { note(info); }
-    void visit_tables(SettingInfo const& info, std::size_t, std::function<void(std::size_t)> const&,
-                      std::function<void(std::size_t, SettingVisitor&)> const&) override {
-      note(info);
-    }
+/// The settings that are described, by key.
+class Bounds final : public SettingVisitor {
+ public:
+  std::map<std::string, SettingInfo, std::less<>> infos;
+  void enter(std::string_view, std::string_view) override {}
+  void leave() override {}
+  void visit(SettingInfo const& info, double&) override { note(info); }
+  void visit(SettingInfo const& info, std::optional<double>&) override { note(info); }
+  void visit(SettingInfo const& info, std::uint64_t&) override { note(info); }
+  void visit(SettingInfo const& info, std::optional<std::uint64_t>&) override { note(info); }
+  void visit(SettingInfo const& info, bool&) override { note(info); }
+  void visit(SettingInfo const& info, std::string&) override { note(info); }
+  void visit(SettingInfo const& info, std::vector<double>&) override { note(info); }
+  void visit_choice(SettingInfo const& info, std::span<std::string_view const>, std::size_t&) override { note(info); }
+  void visit_tables(SettingInfo const& info, std::size_t, std::function<void(std::size_t)> const&,
+                    std::function<void(std::size_t, SettingVisitor&)> const&) override {
+    note(info);
+  }
 
-   private:
-    void note(SettingInfo const& info) { infos.emplace(info.key, info); }
-  } bounds;
+ private:
+  void note(SettingInfo const& info) { infos.emplace(info.key, info); }
+};
+
+TEST(Protocol, DescribesTheBoundsThatItsStagesCheck) {
+  Bounds bounds;
   StageSettings settings;
   describe(settings, bounds);
   State const state = fluid();
@@ -282,22 +286,41 @@ TEST(Protocol, DescribesTheBoundsThatItsStagesCheck) {
   };
   SettingInfo const& rate = bounds.infos.at("rate");
   auto const grows = [&](double value) {
-    return accepts({.kind = StageKind::grow, .rate = value, .until_packing_fraction = 0.7});
+    return accepts({.kind = "grow", .rate = value, .until_packing_fraction = 0.7});
   };
   EXPECT_TRUE(grows(rate.min) && grows(rate.max));
   EXPECT_FALSE(grows(0.99 * rate.min) || grows(1.01 * rate.max));
   SettingInfo const& share = bounds.infos.at("swap_fraction");
-  auto const swaps = [&](double value) {
-    return accepts({.kind = StageKind::swap, .sweeps = 10, .swap_fraction = value});
-  };
+  auto const swaps = [&](double value) { return accepts({.kind = "swap", .sweeps = 10, .swap_fraction = value}); };
   EXPECT_TRUE(swaps(share.min));
   EXPECT_EQ(swaps(share.max), share.max_is_allowed);
   SettingInfo const& step = bounds.infos.at("step");
   auto const steps = [&](double value) {
-    return accepts({.kind = StageKind::compress, .until_packing_fraction = 0.9, .step = value});
+    return accepts({.kind = "compress", .until_packing_fraction = 0.9, .step = value});
   };
   EXPECT_TRUE(steps(step.max));
   EXPECT_FALSE(steps(1.01 * step.max) || steps(0.99 * step.min));
+}
+
+TEST(Protocol, TakesEverySettingThatIsDescribedInSomeStageAndNoOther) {
+  Bounds bounds;
+  StageSettings settings;
+  describe(settings, bounds);
+  std::set<std::string, std::less<>> described;
+  for (auto const& [key, info] : bounds.infos) described.insert(key);
+  std::set<std::string, std::less<>> taken{"stage"};
+  for (StageRecord const& record : stage_records()) {
+    taken.insert(record.settings.begin(), record.settings.end());
+    for (std::string_view const end : record.ends) EXPECT_EQ(std::ranges::count(record.settings, end), 1) << end;
+  }
+  EXPECT_EQ(taken, described);
+}
+
+TEST(Protocol, RefusesAStageThatIsNotKnownWithThoseThatAre) {
+  std::vector<Problem> const problems = problems_of({{.kind = "run", .until_time = 1.0}, {.kind = "shake"}});
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_EQ(problems.front().what, "the stage \"shake\" is not known");
+  EXPECT_EQ(problems.front().hint, "a stage is one of: grow, run, quench, compress, decompress, separate, swap");
 }
 
 TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {
@@ -305,14 +328,14 @@ TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {
   // Two disks at one place cannot be separated.
   state.agents.column<X>()[1] = state.agents.column<X>()[0];
   state.agents.column<Y>()[1] = state.agents.column<Y>()[0];
-  Protocol protocol({.stages = {{.kind = StageKind::separate}}}, state);
+  Protocol protocol({.stages = {{.kind = "separate"}}}, state);
   EXPECT_THROW(protocol.advance(state), RunFailure);
 }
 
 TEST(Protocol, RefusesAStartThatOverlapsWhereHardDisksAreNeeded) {
   State state = fluid();
   for (double& radius : state.agents.column<Radius>()) radius *= 2.0;
-  EXPECT_THROW(Protocol({.stages = {{.kind = StageKind::grow, .until_packing_fraction = 0.9}}}, state), Error);
+  EXPECT_THROW(Protocol({.stages = {{.kind = "grow", .until_packing_fraction = 0.9}}}, state), Error);
 }
 
 }  // namespace

@@ -1,0 +1,195 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/engine/growth.hpp"
+#include "gridlock/engine/swap_monte_carlo.hpp"
+#include "protocol/stage.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Hard disks that grow; the reduced pressure is that of the last rescaling.
+class GrowStage final : public Stage {
+ public:
+  GrowStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
+      : growth_(growth_settings(protocol.stages[number]), state) {}
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    return growth_.advance(state, counters_, should_continue);
+  }
+  void serialize(Archive& archive, State const& state) override {
+    serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+    serialize_inside(archive, "growth", [&] { growth_.serialize(archive, state); });
+  }
+  [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    return {.packing_fraction = packing_fraction_of(state),
+            .pressure = growth_.reduced_pressure(),
+            .pair_collisions = counters_.pair_collisions};
+  }
+
+ private:
+  static GrowthSettings growth_settings(StageSettings const& settings) {
+    GrowthSettings growth{.packing_fraction = settings.until_packing_fraction, .pressure = settings.until_pressure};
+    growth.rate = settings.rate.value_or(growth.rate);
+    return growth;
+  }
+
+  Growth growth_;
+  Counters counters_;
+};
+
+void check_grow(StageCheck const& check) {
+  if (check.stage.until_pressure && *check.stage.until_pressure <= 1.0)
+    check.report_pressure("the reduced pressure βP/ρ of hard disks is above 1: use for example 1e5");
+  check.check_direction(true, "");
+}
+
+/// Hard disks by the engine "exact"; the reduced pressure is that of the whole stage.
+class RunStage final : public Stage {
+ public:
+  RunStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
+      : engine_(make_engine({.kind = "exact", .time_step = protocol.time_step}, state)), start_time_(state.clock.time) {
+    StageSettings const& settings = protocol.stages[number];
+    if (!settings.until_time) require_moving(state);
+    if (settings.until_time) end_at_time(*settings.until_time);
+    if (settings.collisions_per_disk) end_at_collisions(*settings.collisions_per_disk, state.agents.size());
+  }
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    stop_condition_.should_continue = should_continue;
+    engine_->advance(state, counters_, stop_condition_);
+    stop_condition_.should_continue = {};
+    return stop_condition_.is_reached(state.clock, counters_.pair_collisions);
+  }
+  void serialize(Archive& archive, State const& state) override {
+    archive.visit("start_time", start_time_);
+    archive.visit("until_time", stop_condition_.time);
+    serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+    serialize_inside(archive, "engine", [&] { engine_->serialize(archive, state); });
+  }
+  [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    StageResult result{.packing_fraction = packing_fraction_of(state), .pair_collisions = counters_.pair_collisions};
+    double const time = state.clock.time - start_time_;
+    double const energy = kinetic_energy(state.agents);
+    // βP/ρ = 1 + Σ r·Δp / (2 t E_kin): two dimensions, N kT = E_kin.
+    if (time > 0.0 && energy > 0.0) result.pressure = 1.0 + counters_.pair_virial / (2.0 * time * energy);
+    return result;
+  }
+
+ private:
+  /// Disks at rest, or one alone, never collide.
+  static void require_moving(State const& state) {
+    if (state.agents.size() > 1 && kinetic_energy(state.agents) > 0.0) return;
+    throw Error({.what = fmt::format("{} disks with kinetic energy {} never collide", state.agents.size(),
+                                     kinetic_energy(state.agents)),
+                 .hint = "use two or more disks, with velocities",
+                 .key = "velocities"});
+  }
+
+  void end_at_time(double duration) {
+    // The clock has to count steps up to there.
+    double const end = start_time_ + duration;
+    double const spacing = std::nextafter(end, std::numeric_limits<double>::infinity()) - end;
+    if (!(0.5 * spacing <= 1e-3 * engine_->time_step())) {
+      throw Error({.what = fmt::format("no clock counts up to time {:.6g}", end),
+                   .hint = "use a shorter time, or collisions_per_disk",
+                   .key = "protocol.until_time"});
+    }
+    stop_condition_.time = end;
+  }
+
+  void end_at_collisions(double collisions_per_disk, std::size_t disks) {
+    // Counts of collisions end before 2⁶⁴.
+    constexpr double most = 9e18;
+    double const pairs = std::ceil(collisions_per_disk * static_cast<double>(disks) / 2.0);
+    if (!(pairs < most)) {
+      throw Error({.what = fmt::format("no stage reaches {:.3g} collisions per disk", collisions_per_disk),
+                   .hint = "use a smaller number",
+                   .key = "protocol.collisions_per_disk"});
+    }
+    stop_condition_.pair_collisions = static_cast<std::uint64_t>(pairs);
+  }
+
+  std::unique_ptr<Engine> engine_;
+  double start_time_;
+  StopCondition stop_condition_;
+  Counters counters_;
+};
+
+/// Swap Monte Carlo of hard disks.
+class SwapStage final : public Stage {
+ public:
+  SwapStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
+      : swap_(swap_settings(protocol.stages[number], number), state) {}
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    return swap_.advance(state, should_continue);
+  }
+  void serialize(Archive& archive, State const& state) override { swap_.serialize(archive, state); }
+  [[nodiscard]] std::uint64_t work() const override { return swap_.sweeps_done(); }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    SwapReport const report = swap_.report();
+    SwapResult swap{.displacement_acceptance = report.displacement_acceptance,
+                    .swap_acceptance = report.swap_acceptance,
+                    .overlap_relaxation_time = report.overlap_relaxation_time,
+                    .bond_relaxation_time = report.bond_relaxation_time,
+                    .relaxation_times = report.relaxation_times,
+                    .is_equilibrated = report.is_equilibrated};
+    for (SwapCorrelation const& correlation : swap_.correlations()) {
+      swap.lags.push_back(static_cast<double>(correlation.lag));
+      swap.self_overlap.push_back(correlation.self_overlap);
+      swap.bond_orientation.push_back(correlation.bond_orientation);
+    }
+    return {.packing_fraction = packing_fraction_of(state), .swap = std::move(swap)};
+  }
+
+ private:
+  static SwapSettings swap_settings(StageSettings const& settings, std::uint64_t number) {
+    SwapSettings swap{.stage = number};
+    swap.sweeps = settings.sweeps.value_or(swap.sweeps);
+    swap.swap_fraction = settings.swap_fraction.value_or(swap.swap_fraction);
+    return swap;
+  }
+
+  SwapMonteCarlo swap_;
+};
+
+}  // namespace
+
+StageRecord grow_stage() {
+  return {.name = "grow",
+          .settings = {"rate", "until_packing_fraction", "until_pressure"},
+          .ends = {"until_packing_fraction", "until_pressure"},
+          .table_of_errors = "growth",
+          .needs_no_overlaps = true,
+          .ends_near_jamming = true,
+          .check = check_grow,
+          .packing_fraction_after = packing_fraction_at_end,
+          .make = make_stage<GrowStage>};
+}
+
+StageRecord run_stage() {
+  return {.name = "run",
+          .settings = {"until_time", "collisions_per_disk"},
+          .ends = {"until_time", "collisions_per_disk"},
+          .needs_no_overlaps = true,
+          .make = make_stage<RunStage>};
+}
+
+StageRecord swap_stage() {
+  return {.name = "swap",
+          .settings = {"sweeps", "swap_fraction"},
+          .ends = {"sweeps"},
+          .table_of_errors = "swap",
+          .needs_no_overlaps = true,
+          .make = make_stage<SwapStage>};
+}
+
+}  // namespace gridlock
