@@ -49,8 +49,8 @@ std::vector<std::string> stage_kinds();
 /// Whether disks may overlap when such a stage has ended. Errors: Error for a kind that is none of stage_kinds().
 bool leaves_overlaps(std::string_view kind);
 
-/// Throws Error, with the place of each, for stages of an unknown kind, that have settings of others, lack one that they
-/// need, start from what the stage before cannot leave, or end at a packing fraction on the other side of the one at
+/// Throws Error, with the place of each, for stages of an unknown kind, that have settings of others, lack one that
+/// they need, start from what the stage before cannot leave, or end at a packing fraction on the other side of the one at
 /// which they are known to begin.
 ///
 /// The packing fraction is that of the start, where it is known.
