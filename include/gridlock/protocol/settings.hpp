@@ -50,8 +50,8 @@ std::vector<std::string> stage_kinds();
 bool leaves_overlaps(std::string_view kind);
 
 /// Throws Error, with the place of each, for stages of an unknown kind, that have settings of others, lack one that
-/// they need, start from what the stage before cannot leave, or end at a packing fraction on the other side of the one at
-/// which they are known to begin.
+/// they need, start from what the stage before cannot leave, or end at a packing fraction on the other side of the one
+/// at which they are known to begin.
 ///
 /// The packing fraction is that of the start, where it is known.
 void require_valid(std::vector<StageSettings> const& stages, std::optional<double> packing_fraction = {});
