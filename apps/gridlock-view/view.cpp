@@ -1,5 +1,6 @@
 #include "view.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>

@@ -1,5 +1,6 @@
 #include "drawing/movie.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <cstdio>

@@ -1,5 +1,6 @@
 #include "gridlock/workspace/sweep.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -12,6 +10,11 @@
 
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/workspace/sweep.hpp"
+
+namespace CLI {  // <CLI/CLI.hpp> takes a compiler seconds, and a main function needs none of it
+class App;
+class Validator;
+}  // namespace CLI
 
 namespace gridlock {
 class H5mdReader;

@@ -72,7 +72,7 @@ void check_settings(StageCheck const& check, StageRecord const& record) {
 }
 
 /// A word of the registry; what is none of them stays as it is.
-void visit_kind(SettingVisitor& visitor, std::string& kind) {
+void visit_stage(SettingVisitor& visitor, std::string& kind) {
   std::vector<std::string_view> kinds;
   std::string documentation =
       "What happens: hard disks grow, run, or swap their radii; soft disks are quenched, compressed or decompressed";
@@ -90,7 +90,7 @@ void visit_kind(SettingVisitor& visitor, std::string& kind) {
 }  // namespace
 
 void describe(StageSettings& settings, SettingVisitor& visitor) {
-  visit_kind(visitor, settings.kind);
+  visit_stage(visitor, settings.kind);
   visitor.visit(
       {.key = "rate",
        .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk; at the slowest a "
