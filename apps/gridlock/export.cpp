@@ -2,9 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
-#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -12,6 +13,7 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "io/file.hpp"
+#include "io/frame_format.hpp"
 #include "verbs.hpp"
 #include "workspace/result_files.hpp"
 
@@ -35,12 +37,34 @@ std::uint64_t steps_between_frames(fs::path const& settings) {
   }
 }
 
-/// Files of VTK lie in a directory beside the one that is named.
-void require_name_of_file(fs::path const& file) {
-  if (!descriptor_named(file)) return;
-  throw Error({.what = fmt::format("{} takes one file, and VTK is one for each frame", file.string()),
-               .hint = "name a file, such as -o frames.pvd",
+/// Files of single frames lie in a directory beside the one that is named.
+void require_name_of_file(fs::path const& file, FrameFormat const& format) {
+  if (format.file_of_step == nullptr || !descriptor_named(file)) return;
+  std::string name(format.name);
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  throw Error({.what = fmt::format("{} takes one file, and {} is one for each frame", file.string(), name),
+               .hint = fmt::format("name a file, such as -o frames{}", format.extension),
                .key = "-o"});
+}
+
+std::vector<std::string> exported_formats() {
+  std::vector<std::string> names;
+  for (FrameFormat const& format : frame_formats()) {
+    if (format.is_exported) names.emplace_back(format.name);
+  }
+  return names;
+}
+
+/// "xyz (OVITO, ASE), vtk (ParaView) or csv"
+std::string help_on_formats() {
+  std::string text;
+  std::vector<std::string> const names = exported_formats();
+  for (std::string const& name : names) {
+    std::string_view const readers = frame_format(name).readers;
+    text += text.empty() ? "" : name == names.back() ? " or " : ", ";
+    text += readers.empty() ? name : fmt::format("{} ({})", name, readers);
+  }
+  return text;
 }
 
 }  // namespace
@@ -74,25 +98,19 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb = app.add_subcommand("export", "Turn a trajectory into extended XYZ, VTK or CSV");
   auto const options = std::make_shared<Options>();
   verb->add_option("PATH", options->path, "Directory of a run, or a trajectory in H5MD (.h5, .h5md)")->required();
-  verb->add_option("--to", options->format, "xyz (OVITO, ASE), vtk (ParaView) or csv")
-      ->required()
-      ->check(one_of({"xyz", "vtk", "csv"}));
+  verb->add_option("--to", options->format, help_on_formats())->required()->check(one_of(exported_formats()));
   verb->add_option("-o,--output", options->output, "File to write; left out: beside the trajectory")->type_name("FILE");
   verb->add_option("--every", options->every, "Export every N-th frame")->check(whole_number(1));
   verb->add_flag("--overwrite", options->overwrites, "Replace a file that gridlock export has not made");
   verb->callback([options, &exit_code] {
-    static std::map<std::string, std::pair<gridlock::ExportFormat, char const*>> const formats{
-        {"xyz", {gridlock::ExportFormat::xyz, ".xyz"}},
-        {"vtk", {gridlock::ExportFormat::vtk, ".pvd"}},
-        {"csv", {gridlock::ExportFormat::csv, ".csv"}}};
-    auto const [format, extension] = formats.at(options->format);
+    FrameFormat const& format = frame_format(options->format);
     fs::path const source = trajectory_file(options->path);
     fs::path const file =
-        options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
-    if (format == gridlock::ExportFormat::vtk) require_name_of_file(file);
+        options->output.empty() ? fs::path(source).replace_extension(format.extension) : fs::path(options->output);
+    require_name_of_file(file, format);
     gridlock::H5mdReader const trajectory(source);
     print_note_on_left_out(source, trajectory);
-    gridlock::ExportSettings const settings{.format = format, .file = file, .every = options->every};
+    gridlock::ExportSettings const settings{.format = options->format, .file = file, .every = options->every};
     std::vector<fs::path> const exported = gridlock::exported_files(trajectory, settings);
     gridlock::protect_files({.results = exported,
                              .inputs = {source},

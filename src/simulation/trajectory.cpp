@@ -11,13 +11,16 @@
 namespace gridlock {
 
 TrajectoryWriter::TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin)
-    : settings_(settings), schedule_(settings, time_step), origin_(std::move(origin)) {}
+    : settings_(settings),
+      schedule_(settings, time_step),
+      origin_(std::move(origin)),
+      format_(frame_format_of_run(origin_.file)) {}
 
 void TrajectoryWriter::open(Simulation const& simulation, FrameSource const& frame) {
   std::error_code ignored;
   if (std::filesystem::exists(origin_.file, ignored)) {
     try {
-      writer_ = H5mdWriter::append(origin_.file, frame);
+      writer_ = format_.append(origin_.file, frame);
     } catch (Error const& error) {
       throw RunFailure(error.what());
     }
@@ -33,7 +36,7 @@ void TrajectoryWriter::open(Simulation const& simulation, FrameSource const& fra
     std::vector<std::string> names = origin_.value_names(column.name);
     if (!names.empty()) header.value_names.emplace(column.name, std::move(names));
   }
-  writer_ = H5mdWriter::create(origin_.file, header, frame);
+  writer_ = format_.create(origin_.file, header);
 }
 
 void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until) {
@@ -50,13 +53,13 @@ void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first
   try {
     // Before the file is opened for writing.
     auto const difference =
-        find_difference(setting_texts(H5mdReader(origin_.file).settings().configuration, "trajectory.h5"),
+        find_difference(setting_texts(format_.configuration_of(origin_.file), "trajectory.h5"),
                         setting_texts(origin_.configuration, "config.resolved.toml"), settings_of_length());
     if (difference) {
       throw Error({.what = fmt::format("{} is of another run: {}", origin_.file.string(),
                                        to_text(*difference, "the trajectory", "config.resolved.toml"))});
     }
-    writer_ = H5mdWriter::append(origin_.file, *with_columns(simulation.frame_source(), settings_.columns));
+    writer_ = format_.append(origin_.file, *with_columns(simulation.frame_source(), settings_.columns));
   } catch (Error const& error) {
     refuse(error.problems().front().what);
   }

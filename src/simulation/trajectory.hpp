@@ -3,15 +3,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "gridlock/core/frame_source.hpp"
-#include "gridlock/io/h5md.hpp"
 #include "gridlock/simulation/detail/trajectory_settings.hpp"
 #include "gridlock/simulation/run.hpp"
+#include "io/frame_format.hpp"
 #include "simulation/frame_schedule.hpp"
 
 namespace gridlock {
@@ -30,7 +30,8 @@ class TrajectoryWriter final : public Writer {
     std::function<std::vector<std::string>(std::string_view column)> value_names;
   };
 
-  /// Begins the file at the first frame, or continues one that is there.
+  /// Begins the file at the first frame, or continues one that is there. Its name says in which format: one of those
+  /// that runs can write.
   TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin);
 
   /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was
@@ -49,7 +50,8 @@ class TrajectoryWriter final : public Writer {
   TrajectorySettings settings_;
   FrameSchedule schedule_;
   Origin origin_;
-  std::optional<H5mdWriter> writer_;
+  FrameFormat const& format_;
+  std::unique_ptr<FrameWriter> writer_;
 };
 
 }  // namespace gridlock

@@ -156,15 +156,13 @@ class H5mdReader {
 /// of agents; empty where it reads all.
 std::string note_on_left_out(std::filesystem::path const& path, H5mdSettings const& settings);
 
-/// The formats that a trajectory is turned into.
-enum class ExportFormat {
-  xyz,  ///< extended XYZ, all frames in one file: OVITO, ASE
-  vtk,  ///< a .pvd file that lists a .vtp file for each frame, in a directory beside it: ParaView
-  csv,  ///< one row for each agent of each frame: step, time, id and the columns
-};
-
+/// How a trajectory is turned into another format:
+///
+///     "xyz"   extended XYZ, all frames in one file: OVITO, ASE
+///     "vtk"   a .pvd file that lists a .vtp file for each frame, in a directory beside it: ParaView
+///     "csv"   one row for each agent of each frame: step, time, id and the columns
 struct ExportSettings {
-  ExportFormat format = ExportFormat::xyz;
+  std::string format = "xyz";
   std::filesystem::path file;  ///< with the extension .xyz, .pvd or .csv
   std::size_t every = 1;       ///< every how many frames one is taken
 };
@@ -173,11 +171,11 @@ struct ExportSettings {
 std::vector<std::filesystem::path> exported_files(H5mdReader const& trajectory, ExportSettings const& settings);
 
 /// Writes the frames of a trajectory in another format; returns exported_files().
-/// Errors: Error for damage, RunFailure where a file cannot be written. Cost: one frame in memory.
+/// Errors: Error for damage or an unknown format, RunFailure where a file cannot be written. Cost: a frame in memory.
 ///
 /// ```cpp
 /// H5mdReader const trajectory("trajectory.h5");
-/// export_trajectory(trajectory, {.format = ExportFormat::vtk, .file = "frames.pvd", .every = 10});
+/// export_trajectory(trajectory, {.format = "vtk", .file = "frames.pvd", .every = 10});
 /// ```
 std::vector<std::filesystem::path> export_trajectory(H5mdReader const& trajectory, ExportSettings const& settings);
 

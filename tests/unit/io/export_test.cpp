@@ -32,7 +32,7 @@ TEST(Export, TakesOneOfEverySoManyFrames) {
   TemporaryDirectory const directory;
   H5mdReader const trajectory = five_frames(directory);
   auto const steps = [&](std::size_t every) {
-    export_trajectory(trajectory, {.format = ExportFormat::csv, .file = directory / "t.csv", .every = every});
+    export_trajectory(trajectory, {.format = "csv", .file = directory / "t.csv", .every = every});
     return read_csv(directory / "t.csv").numbers("step");
   };
   EXPECT_EQ(steps(1), (std::vector<double>{0, 0, 10, 10, 20, 20, 30, 30, 40, 40}));
@@ -43,8 +43,7 @@ TEST(Export, TakesOneOfEverySoManyFrames) {
 TEST(Export, AsVtkListsEachFrameAtItsTime) {
   TemporaryDirectory const directory;
   H5mdReader const trajectory = five_frames(directory);
-  auto const files =
-      export_trajectory(trajectory, {.format = ExportFormat::vtk, .file = directory / "t.pvd", .every = 3});
+  auto const files = export_trajectory(trajectory, {.format = "vtk", .file = directory / "t.pvd", .every = 3});
   ASSERT_EQ(files.size(), 3U);
   std::string const list = read_file(files.front());
   EXPECT_NE(list.find("<DataSet timestep=\"0\" file=\"t/step_0000000000.vtp\"/>\n"
