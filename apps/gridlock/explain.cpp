@@ -195,9 +195,13 @@ std::string meant_by(std::string const& key) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// Errors: Error for a setting or a column of another name in earlier versions, with its present one.
+/// Errors: Error for a setting or a column of another name in earlier versions, with its present one, and for a model
+/// that earlier versions shipped.
 void refuse_former_name(std::string const& key) {
   Configuration configuration;
+  std::string const table = key.substr(0, key.find('.'));
+  if (auto const instead = instead_of_model(table); instead && configuration.models.find(table) == nullptr)
+    throw Error({.what = fmt::format("there is no model \"{}\" in this program", table), .hint = *instead});
   std::optional<std::string> present = renamed_setting(describing(configuration), key);
   for (ColumnInfo const& column : measured_columns()) {
     if (!column.former_name.empty() && column.former_name == key) present = column.name;

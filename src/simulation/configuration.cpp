@@ -23,13 +23,14 @@ std::string names_of(ModelKinds const& kinds) {
 }
 
 Problem unknown_model(Configuration const& configuration) {
-  return {
-      .what = fmt::format("there is no model \"{}\" in this program", configuration.model.kind),
-      .hint = fmt::format("its models are {}; a model of one's own in C++ runs in the program that registers it, see "
+  auto const instead = instead_of_model(configuration.model.kind);
+  return {.what = fmt::format("there is no model \"{}\" in this program", configuration.model.kind),
+          .hint = instead.value_or(
+              fmt::format("its models are {}; a model of one's own in C++ runs in the program that registers it, see "
                           "docs/getting_started/own_model.md, and one in Python after register_model: a run of it is "
                           "continued by gridlock.open(DIR).resume(), see docs/getting_started/own_model_python.md",
-                          names_of(configuration.models)),
-      .key = "model.kind"};
+                          names_of(configuration.models))),
+          .key = "model.kind"};
 }
 
 /// Whether a problem is about a table of that name or something in it.
@@ -152,6 +153,7 @@ Configuration read_configuration(SettingsFile const& file) {
                                  problem.hint.find(" belongs in ") == std::string::npos;
     auto const lacking = sentence_on_lacking(problem.key.substr(problem.key.rfind('.') + 1));
     if (is_like_nothing && lacking) problem.hint = *lacking;
+    if (auto const instead = instead_of_model(problem.key.substr(0, problem.key.find('.')))) problem.hint = *instead;
   }
   if (configuration.models.find(configuration.model.kind) == nullptr) {
     // Its table is unknown for that reason alone.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <utility>
 
 namespace gridlock {
 
@@ -42,7 +43,22 @@ constexpr std::array<Lacking, 16> all_lacking{{
     {"gpu", "it computes on the cores of a processor"},
 }};
 
+/// Models that earlier versions shipped, and the engine of disks that has their bits.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> former_models{
+    {{"colloid", "stepped"}, {"colloid_tiled", "tiled"}}};
+
 }  // namespace
+
+std::optional<std::string> instead_of_model(std::string_view name) {
+  for (auto const& [model, engine] : former_models) {
+    if (name != model) continue;
+    return fmt::format(
+        "use model.kind = \"disks\" with engine.kind = \"{}\", which gives the same bits; the rule as a model is an "
+        "example now, examples/colloid.hpp",
+        engine);
+  }
+  return std::nullopt;
+}
 
 std::optional<std::string> sentence_on_lacking(std::string_view word) {
   std::string lower(word);

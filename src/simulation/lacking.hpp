@@ -10,4 +10,7 @@ namespace gridlock {
 /// "thermostat"; nothing for any other word.
 std::optional<std::string> sentence_on_lacking(std::string_view word);
 
+/// A hint on what to use in place of a model that earlier versions shipped; nothing for any other name.
+std::optional<std::string> instead_of_model(std::string_view name);
+
 }  // namespace gridlock

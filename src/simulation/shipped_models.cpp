@@ -1,6 +1,5 @@
 #include "gridlock/simulation/register_model.hpp"
 #include "models/catalyst.hpp"
-#include "models/colloid.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
 #include "simulation/disks_kind.hpp"
@@ -23,8 +22,6 @@ ModelKinds shipped_models() {
   add<Flocking>(kinds);
   add<Epidemic>(kinds);
   add<Catalyst>(kinds);
-  add<Colloid>(kinds);
-  add<TiledColloid>(kinds);
   return kinds;
 }
 

@@ -8,7 +8,8 @@ namespace {
 using namespace gridlock::test;
 
 /// `check` and `run` refuse the settings with such a text, and `run` writes nothing.
-void expect_refused(std::string const& model, std::vector<std::string> const& settings, std::string const& text) {
+void expect_refused(std::string const& model, std::vector<std::string> const& settings, std::string const& text,
+                    char const* program = GRIDLOCK_PROGRAM) {
   Workplace const workplace;
   write(workplace / "m.toml", "model.kind = \"" + model + "\"\nrun.steps = 2\n");
   for (std::string const verb : {"check", "run"}) {
@@ -16,7 +17,7 @@ void expect_refused(std::string const& model, std::vector<std::string> const& se
     std::string command = "ulimit -v 8000000; exec \"$0\" " + verb + " m.toml";
     for (std::string const& setting : settings) command += " --set " + setting;
     if (verb == "run") command += " -o out";
-    Outcome const outcome = Process("sh", {"-c", command, GRIDLOCK_PROGRAM}, workplace.path()).wait();
+    Outcome const outcome = Process("sh", {"-c", command, program}, workplace.path()).wait();
     EXPECT_EQ(outcome.exit_code, 2) << verb << ": " << outcome.out << outcome.err;
     EXPECT_NE(outcome.err.find(text), std::string::npos) << verb << ": " << outcome.err;
     EXPECT_NE(outcome.err.find("hint: "), std::string::npos) << outcome.err;
@@ -37,19 +38,22 @@ TEST(ModelLimits, MoreMoleculesThanRandomPlacesHoldAreRefused) {
 TEST(ModelLimits, AgentsThatDoNotFitIntoMemoryAreRefused) {
   expect_refused("flocking", {"flocking.count=2000000000"}, "2000000000 agents would need about");
   expect_refused("epidemic", {"epidemic.count=2000000000"}, "2000000000 agents would need about");
-  expect_refused("colloid", {"colloid.disks.count=2000000000"}, "2000000000 agents would need about");
+  expect_refused("colloid", {"colloid.disks.count=2000000000"}, "2000000000 agents would need about",
+                 GRIDLOCK_OWN_PROGRAM);
 }
 
 TEST(ModelLimits, FilesAreNoStartsOfModels) {
   for (std::string const model : {"colloid", "colloid_tiled"}) {
-    expect_refused(model, {model + ".disks.file=start.xyz"}, "the model \"" + model + "\" starts from no file");
+    expect_refused(model, {model + ".disks.file=start.xyz"}, "the model \"" + model + "\" starts from no file",
+                   GRIDLOCK_OWN_PROGRAM);
   }
 }
 
 TEST(ModelLimits, StartsWithOverlapsAreNoStartsOfModels) {
   for (std::string const model : {"colloid", "colloid_tiled"}) {
     expect_refused(model, {model + ".disks.start=uniform"},
-                   "disks at uniform points overlap, and the model \"" + model + "\" is one of hard disks");
+                   "disks at uniform points overlap, and the model \"" + model + "\" is one of hard disks",
+                   GRIDLOCK_OWN_PROGRAM);
   }
 }
 
@@ -67,14 +71,14 @@ TEST(ModelLimits, RandomStartsThatTakeLongAreNotTriedByCheck) {
         "model.kind = \"catalyst\"\nrun.steps = 2\nbox.edge = \"periodic\"\n"
         "catalyst.radius = 0.0005\ncatalyst.count = 680_000\n");
   for (char const* file : {"colloid.toml", "catalyst.toml"}) {
-    Outcome const outcome = gridlock::test::gridlock({"check", file}, workplace.path());
+    Outcome const outcome = Process(GRIDLOCK_OWN_PROGRAM, {"check", file}, workplace.path()).wait();
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("the random start was not tried"), std::string::npos) << outcome.err;
   }
 }
 
 TEST(ModelLimits, StepsThatWouldNotEndAreRefused) {
-  expect_refused("colloid", {"colloid.substeps=9000000000000000000"}, "at most 1");
+  expect_refused("colloid", {"colloid.substeps=9000000000000000000"}, "at most 1", GRIDLOCK_OWN_PROGRAM);
   expect_refused("catalyst", {"catalyst.adsorption_rate=1e300"}, "events, more than 100000000");
   expect_refused("catalyst", {"catalyst.hop_rate=1e12", "catalyst.count=1"}, "events, more than 100000000");
 }
@@ -109,6 +113,19 @@ TEST(ModelLimits, AllThatMeansNothingToAModelIsRefusedAtOnce) {
   for (std::string const text : {"[disks] means nothing", "[velocities] means nothing", "[epidemic] means nothing",
                                  "[catalyst] means nothing", "cannot be given in collisions"}) {
     EXPECT_NE(outcome.err.find(text), std::string::npos) << text << '\n' << outcome.err;
+  }
+}
+
+TEST(ModelLimits, ModelsThatWereShippedOnceAreRefusedWithWhatToUse) {
+  for (auto const& [model, engine] : {std::pair("colloid", "stepped"), std::pair("colloid_tiled", "tiled")}) {
+    std::string const name = model;
+    std::string const instead = "use model.kind = \"disks\" with engine.kind = \"" + std::string(engine) + "\"";
+    expect_refused(name, {}, "there is no model \"" + name + "\" in this program");
+    expect_refused(name, {name + ".disks.count=100"}, instead);
+    Workplace const workplace;
+    Outcome const outcome = gridlock::test::gridlock({"explain", name}, workplace.path());
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    EXPECT_NE(outcome.err.find(instead), std::string::npos) << outcome.err;
   }
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "golden/hashes.hpp"
-#include "models/colloid.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
+#include "tiled_colloid.hpp"
 
 namespace gridlock::golden {
 

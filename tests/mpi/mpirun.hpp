@@ -34,12 +34,14 @@ inline Process mpirun(Workplace const& workplace, std::vector<std::string> const
   return {GRIDLOCK_MPIEXEC, std::vector<std::string>{"--oversubscribe"} + arguments, workplace.path()};
 }
 
-inline Process start(Workplace const& workplace, int ranks, std::vector<std::string> const& arguments) {
-  return mpirun(workplace, std::vector<std::string>{"-n", std::to_string(ranks), GRIDLOCK_MPI_PROGRAM} + arguments);
+inline Process start(Workplace const& workplace, int ranks, std::vector<std::string> const& arguments,
+                     char const* program = GRIDLOCK_MPI_PROGRAM) {
+  return mpirun(workplace, std::vector<std::string>{"-n", std::to_string(ranks), program} + arguments);
 }
 
-inline Outcome on_ranks(Workplace const& workplace, int ranks, std::vector<std::string> const& arguments) {
-  return start(workplace, ranks, arguments).wait();
+inline Outcome on_ranks(Workplace const& workplace, int ranks, std::vector<std::string> const& arguments,
+                        char const* program = GRIDLOCK_MPI_PROGRAM) {
+  return start(workplace, ranks, arguments, program).wait();
 }
 
 /// How a run or sweep ends after a signal to mpirun. After SIGTERM mpirun kills its ranks within a second, whether they
@@ -67,9 +69,10 @@ inline std::size_t occurrences(std::string const& text, std::string const& part)
 
 /// Refuses each command on three ranks for its reason, says so once, and leaves nothing in "out".
 inline void expect_refused(Workplace const& workplace,
-                           std::vector<std::pair<std::vector<std::string>, std::string>> const& refused) {
+                           std::vector<std::pair<std::vector<std::string>, std::string>> const& refused,
+                           char const* program = GRIDLOCK_MPI_PROGRAM) {
   for (auto const& [arguments, reason] : refused) {
-    Outcome const outcome = on_ranks(workplace, 3, arguments);
+    Outcome const outcome = on_ranks(workplace, 3, arguments, program);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
     EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
     EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;

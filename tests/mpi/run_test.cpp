@@ -77,14 +77,15 @@ class MpiRun : public ::testing::Test {
   }
 
   /// Of r.toml.
-  void expect_same_results_on_any_number_of_ranks() const {
-    expect_good(in(workplace_, run_into("alone")));
+  void expect_same_results_on_any_number_of_ranks(char const* program = GRIDLOCK_PROGRAM,
+                                                  char const* mpi_program = GRIDLOCK_MPI_PROGRAM) const {
+    expect_good(Process(program, run_into("alone"), workplace_.path()).wait());
     for (int const ranks : {1, 2, 3, 8}) {
       std::string const directory = "ranks" + std::to_string(ranks);
-      expect_good(on_ranks(workplace_, ranks, run_into(directory)));
+      expect_good(on_ranks(workplace_, ranks, run_into(directory), mpi_program));
       expect_same_results("alone", directory);
     }
-    expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
+    expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}, mpi_program));
     expect_same_results("alone", "threads");
   }
 
@@ -130,7 +131,7 @@ TEST_F(MpiRun, HasTheFilesOfOneProcessForTiledModelsToo) {
         "[model]\nkind = \"colloid_tiled\"\n[colloid_tiled.disks]\ncount = 2000\npacking_fraction = 0.6\n"
         "[colloid_tiled.velocities]\nkind = \"maxwell\"\n[run]\nsteps = 200\nseed = 4\n"
         "[observe]\nevery = 20\n[trajectory]\nevery = 100\n");
-  expect_same_results_on_any_number_of_ranks();
+  expect_same_results_on_any_number_of_ranks(GRIDLOCK_OWN_PROGRAM, GRIDLOCK_OWN_MPI_PROGRAM);
 }
 
 TEST_F(MpiRun, SharesATiledModelOfAUsersProgram) {
@@ -349,23 +350,28 @@ TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {
   EXPECT_EQ(occurrences(text_of(workplace_ / "out/summary.json"), "\"seconds_waiting\": "), 3U);
 }
 
+TEST_F(MpiRun, RefusesModelsOfAUsersProgramThatRanksCannotShare) {
+  write(workplace_ / "turns.toml", "[model]\nkind = \"colloid\"\n");
+  write(workplace_ / "verified_tiles.toml", "[model]\nkind = \"colloid_tiled\"\nverify_every = 5\n");
+  expect_refused(workplace_,
+                 {{{"run", "turns.toml", "-o", "out"}, "the model \"colloid\" cannot be shared by 3 ranks"},
+                  {{"run", "verified_tiles.toml", "-o", "out"}, "a run with model.verify_every"}},
+                 GRIDLOCK_OWN_MPI_PROGRAM);
+}
+
 TEST_F(MpiRun, RefusesWhatCannotBeUsedAndSaysItOnce) {
   write(workplace_ / "r.toml", run_toml());
   write(workplace_ / "wrong.toml", "[engine]\nkin = \"tiled\"\n");
   write(workplace_ / "exact.toml", "[disks]\ncount = 100\npacking_fraction = 0.3\n[engine]\nkind = \"exact\"\n");
   write(workplace_ / "model.toml", "[model]\nkind = \"catalyst\"\n");
-  write(workplace_ / "turns.toml", "[model]\nkind = \"colloid\"\n");
   write(workplace_ / "verified.toml", "[model]\nkind = \"flocking\"\nverify_every = 5\n");
-  write(workplace_ / "verified_tiles.toml", "[model]\nkind = \"colloid_tiled\"\nverify_every = 5\n");
   expect_good(in(workplace_, run_into("taken")));
   expect_refused(workplace_,
                  {{{"run", "wrong.toml", "-o", "out"}, "did you mean kind?"},
                   {{"run", "nothing.toml", "-o", "out"}, "nothing.toml"},
                   {{"run", "exact.toml", "-o", "out"}, "the engine \"exact\" cannot be shared by 3 ranks"},
                   {{"run", "model.toml", "-o", "out"}, "the model \"catalyst\" cannot be shared by 3 ranks"},
-                  {{"run", "turns.toml", "-o", "out"}, "the model \"colloid\" cannot be shared by 3 ranks"},
                   {{"run", "verified.toml", "-o", "out"}, "a run with model.verify_every"},
-                  {{"run", "verified_tiles.toml", "-o", "out"}, "a run with model.verify_every"},
                   {{"run", "r.toml", "-o", "taken"}, "taken holds results already"},
                   {{"run", "r.toml", "--shard", "2"}, "no option --shard"},
                   {{"resume", "out"}, "out holds no run"},

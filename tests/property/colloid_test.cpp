@@ -1,8 +1,6 @@
 // The paper's disks as a model take the turns of the engines: in the order of the Ids those of `stepped`, tile by tile
 // those of `tiled`, to the last bit.
 
-#include "models/colloid.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -12,6 +10,7 @@
 
 #include "gridlock/engine/engine.hpp"
 #include "reference/random_scene.hpp"
+#include "tiled_colloid.hpp"
 
 namespace gridlock {
 namespace {

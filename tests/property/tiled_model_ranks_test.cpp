@@ -14,8 +14,8 @@
 
 #include "gridlock/core/error.hpp"
 #include "model_on_ranks.hpp"
-#include "models/colloid.hpp"
 #include "thread_ranks.hpp"
+#include "tiled_colloid.hpp"
 
 namespace gridlock {
 namespace {

@@ -44,10 +44,9 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
   const model = String(values["model.kind"] ?? "disks");
   const known = new Set(settings.map((setting) => setting.key));
   const ofModel = settings.filter((setting) => setting.table === model && isSimple(setting)).map((setting) => setting.key);
-  const ofDisks = DISK_KEYS.map((key) => (model === "disks" ? key : `${model}.${key}`)).filter((key) => known.has(key));
   const ofEngine =
     model === "disks" ? ENGINE_KEYS.filter((key) => key !== "engine.contact" || values["engine.kind"] !== "exact") : [];
-  return [...new Set([...ofDisks, ...(model === "disks" ? [] : ofModel), ...ofEngine, ...COMMON_KEYS])].filter((key) =>
+  return [...new Set([...(model === "disks" ? DISK_KEYS : ofModel), ...ofEngine, ...COMMON_KEYS])].filter((key) =>
     known.has(key),
   );
 }
@@ -57,14 +56,13 @@ function isSimple(setting: SettingDescription): boolean {
 }
 
 export function nameOf(key: string): string {
-  const short = key.replace(/^colloid(_tiled)?\./, "");
   const last = words(key.slice(key.lastIndexOf(".") + 1));
-  return NAMES[short] ?? last.charAt(0).toUpperCase() + last.slice(1);
+  return NAMES[key] ?? last.charAt(0).toUpperCase() + last.slice(1);
 }
 
 /** The range of a slider: what is allowed, or what is reasonable around the value. */
 export function rangeOf(setting: SettingDescription, value: number): Range {
-  const known = RANGES[setting.key.replace(/^colloid(_tiled)?\./, "")];
+  const known = RANGES[setting.key];
   if (known !== undefined) return { ...known, least: Math.min(known.least, value), most: Math.max(known.most, value) };
   const integer = setting.kind === "integer";
   const usual = Math.max(typeof setting.default === "number" ? Math.abs(setting.default) : 0, Math.abs(value)) || 1;

@@ -20,11 +20,6 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "The number of each species, and how often the events have happened.",
     ask: "Which species covers the surface in the end? In the same time, are there five times fewer reactions, or far fewer still? Why?",
   },
-  colloid: {
-    act: "Press *Single step* ten times and note the *state hash*. Choose the *Scene* paper and do the same.",
-    see: "The hash is made of every digit of all positions and velocities. One disk that moves by the last digit of its place changes it.",
-    ask: "This scene is computed by another part of the program. What do equal hashes say? What would unequal ones say?",
-  },
   density_sweep: {
     act: "Press *Run*, and drag *Packing fraction φ* slowly from 0.3 to 0.75.",
     see: "The chart *Mean displacement*, in sides of the box: how far a disk has come from where it started.",

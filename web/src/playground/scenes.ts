@@ -16,7 +16,6 @@ const FILES = import.meta.glob<string>("../../../scenes/*.toml", { query: "?raw"
 
 const COLOURS: Readonly<Record<string, string>> = {
   paper: "neighbourhood",
-  colloid: "neighbourhood",
   melting: "psi6",
   mixture: "plain",
   jamming: "plain",

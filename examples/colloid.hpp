@@ -11,31 +11,23 @@
 #include <string_view>
 #include <vector>
 
-#include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/detail/packed_layout.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/model/model.hpp"
 
 namespace gridlock {
 
-/// The hard disks of J.-X. Shen's paper as a model like any other: the bits are those of the engine `stepped` in the
-/// order of the Ids and those of `tiled` tile by tile, so that the engines prove the model interface and vice
-/// versa. The engines are faster; this is the rule on one page.
+/// The rule for hard disks of J.-X. Shen's paper as a model like any other, on one page. The engines are faster.
 ///
 /// In its turn a disk tries `substeps` steps of v dt/substeps. One that would cross a wall turns that component of v
 /// back and ends the turn. One that would overlap a disk ends it too, and the two collide elastically along the line
 /// between their present centres; of several the disk collides with the one nearest to the point it tried, ties to the
 /// lower Id.
-template <Schedule order>
-struct ColloidInOrder {
-  using Self = ColloidInOrder;
+///
+/// `Self` is the model that follows the rule: it has a name and says in which order disks take their turns.
+template <class Self>
+struct ColloidRule {
   using Agents = Disks;
-  static constexpr Schedule schedule = order;
-  static constexpr std::string_view name = order == Schedule::tiled ? "colloid_tiled" : "colloid";
-  static constexpr std::string_view documentation =
-      order == Schedule::tiled ? "The same, tile by tile on any number of threads: the bits of the engine tiled."
-                               : "The paper's hard disks as a model: the bits of the engine stepped.";
   static constexpr bool keeps_counters = true;
   static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "halted_moves"};
 
@@ -70,15 +62,15 @@ struct ColloidInOrder {
   /// sub-step in which it covers a diameter could jump over a disk.
   void check(Box const& /*box*/) const {
     if (!disks.file.empty()) {
-      throw Error({.what = "the model \"" + std::string(name) + "\" starts from no file",
+      throw Error({.what = "the model \"" + std::string(Self::name) + "\" starts from no file",
                    .hint = "hard disks do: model.kind = \"disks\"",
                    .key = "disks.file"});
     }
     if (disks.start == StartKind::uniform && count_of(disks) > 1) {
-      throw Error(
-          {.what = "disks at uniform points overlap, and the model \"" + std::string(name) + "\" is one of hard disks",
-           .hint = "use disks.start = \"random\"",
-           .key = "disks.start"});
+      throw Error({.what = "disks at uniform points overlap, and the model \"" + std::string(Self::name) +
+                           "\" is one of hard disks",
+                   .hint = "use disks.start = \"random\"",
+                   .key = "disks.start"});
     }
     double const diameters = 2.0 * step_length / static_cast<double>(substeps);
     if (diameters < 1.0) return;
@@ -99,32 +91,10 @@ struct ColloidInOrder {
     double const diameter = 2.0 * radii_of(all).smallest;
     return step_length * diameter / (velocities.max > 0.0 ? velocities.max : 1.0);
   }
-  /// Tiled: room for disks of twice the speed that the step length refers to.
-  [[nodiscard]] CellLayout cells(AgentSums<Self> const& all) const requires(order == Schedule::tiled) {
-    RadiusRange const radii = radii_of(all);
-    double const displacement_at_speed = step_length * 2.0 * radii.smallest;
-    return packed_layout(all.box(), radii, all.size(), 2.0 * displacement_at_speed);
-  }
-  /// Tiled: the few disks that are faster still wait for the end of the step.
-  [[nodiscard]] bool is_local(Turn<Self> const& self, double room) const requires(order == Schedule::tiled) {
-    double const rounding = static_cast<double>(substeps) * std::numeric_limits<double>::epsilon() *
-                            std::max(self.box().width(), self.box().height());
-    double const displacement = room * (1.0 - 1e-9) - largest_contact(self) - rounding;
-    return displacement > 0.0 &&
-           squared_length(velocity(self)) * self.time_step() * self.time_step() <= displacement * displacement;
-  }
-
   void start(World<Self>& world, ShareOfRows const& share) const {
     State state = make_start(world.box, disks, world.seed, share);
     draw_velocities(state, velocities, share);
     world.agents = std::move(state.agents);
-  }
-
-  [[nodiscard]] std::vector<std::string> notes(AgentSums<Self> const& all) const {
-    std::string const reasons = in_words(time_step_caveats(all.box(), area_of(all)));
-    if (reasons.empty()) return {};
-    return {"with model.kind = \"" + std::string(name) + "\" " + reasons +
-            ", because of its time step; engine.kind = \"exact\" has none"};
   }
 
   void turn(Turn<Self>& self) const {
@@ -159,7 +129,7 @@ struct ColloidInOrder {
     seen.add("coverage", area_of(all) / all.box().area(), "Σ π R² / area.");
   }
 
- private:
+ protected:
   static double radius_of(auto const& disk) { return disk.template get<Radius>(); }
   static RadiusRange radii_of(AgentSums<Self> const& all) {
     if (all.size() == 0) return {};
@@ -247,7 +217,12 @@ struct ColloidInOrder {
   }
 };
 
-using Colloid = ColloidInOrder<Schedule::sequential>;
-using TiledColloid = ColloidInOrder<Schedule::tiled>;
+/// In the order of the Ids: the bits of the engine `stepped`.
+struct Colloid : ColloidRule<Colloid> {
+  static constexpr Schedule schedule = Schedule::sequential;
+  static constexpr std::string_view name = "colloid";
+  static constexpr std::string_view documentation =
+      "The paper's hard disks as a model: the bits of the engine stepped.";
+};
 
 }  // namespace gridlock
