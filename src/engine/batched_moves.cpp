@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/packed_turns.hpp"
-#include "engine/waiting_in_block.hpp"
+#include "gridlock/grid/detail/waiting_in_block.hpp"
 
 // Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
 // of Highway are used; target() chooses which of the kernels is called. Registers of SVE have no size and fit in no

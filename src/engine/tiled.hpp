@@ -12,7 +12,7 @@ namespace gridlock {
 
 EngineRecord tiled_record();
 
-/// The paper's rule, tile by tile, in a tile class by class of cells, in a cell in the order of the Ids (UpdateOrder):
+/// The paper's rule, tile by tile, in a tile class by class of cells, in a cell in the order of the Ids (ClassOrder):
 /// the same turns as in `stepped` in another order, on any number of threads with the same bits.
 ///
 /// Disks too fast for the ring of cells around their tile wait and take their turns one after the other at the end of

@@ -73,9 +73,15 @@ void Steps::take_part(Tiling::Part const& part) {
       turns += turns_of_tile_[place_of_tile_[tiles[k]]];
     }
     ahead.aim(next, first_team(rest.subspan(next.size())), turns);
+    auto const take_waiting = [turned = marks_of_turned_](PackedGrid::Block& block) {
+      unsigned const marks = block.marks;
+      block.marks = static_cast<std::uint16_t>((marks & ~WaitingInBlock::all_slots) | turned);
+      return marks ^ turned;
+    };
     std::size_t taken = 0;
     for (std::size_t of_class = 0; of_class < ClassOrder::classes; ++of_class) {
-      order.find(grid_, tiling_, tiles, of_class, id_indices_, marks_of_turned_);
+      order.find(
+          grid_, tiling_, tiles, of_class, [this](std::uint32_t row) { return id_indices_[row]; }, take_waiting);
       TurnsInOrder const in_order{.rows = order.rows(),
                                   .blocks = order.blocks(),
                                   .slots = order.slots(),

@@ -8,8 +8,8 @@
 
 #include "engine/hot_disks.hpp"
 #include "engine/packed_turns.hpp"
-#include "engine/tiled/class_order.hpp"
 #include "engine/tiled/fetch_ahead.hpp"
+#include "gridlock/grid/detail/class_order.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
 

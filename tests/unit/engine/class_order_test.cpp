@@ -1,4 +1,4 @@
-#include "engine/tiled/class_order.hpp"
+#include "gridlock/grid/detail/class_order.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,17 +12,29 @@
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
-#include "gridlock/grid/detail/update_order.hpp"
 
-namespace gridlock::tiled {
+namespace gridlock {
 namespace {
 
 using Rows = std::vector<std::uint32_t>;
 
 constexpr std::size_t largest_batch = 16;
 
-/// Points at random in a grid that take turns step after step; in its turn a point goes to any place in the cells
-/// around its own.
+/// The order as the engine tiled finds it, whose blocks remember who has had a
+/// turn.
+template <class Ids>
+void find_order(ClassOrder& order, PackedGrid& grid, Tiling const& tiling, std::span<std::uint32_t const> tiles,
+                std::size_t of_class, Ids const& ids, unsigned turned) {
+  auto const id_of = [&](std::uint32_t row) { return ids[row]; };
+  order.find(grid, tiling, tiles, of_class, id_of, [&](PackedGrid::Block& block) {
+    unsigned const marks = block.marks;
+    block.marks = static_cast<std::uint16_t>((marks & ~WaitingInBlock::all_slots) | turned);
+    return marks ^ turned;
+  });
+}
+
+/// Points at random in a grid that take turns step after step; in its turn a
+/// point goes to any place in the cells around its own.
 class Turns {
  public:
   Turns(std::size_t count, std::uint64_t seed, double mobile_part)
@@ -37,27 +49,23 @@ class Turns {
 
   void begin_step() { turned_ ^= WaitingInBlock::all_slots; }
 
-  /// The order of each of the tiles alone, all turns of those that are told to have had theirs left out.
-  [[nodiscard]] std::vector<Rows> expected(std::span<std::uint32_t const> tiles) {
+  /// The order of each of the tiles alone, as it is defined: class by class,
+  /// level by level, cell by cell.
+  [[nodiscard]] std::vector<Rows> expected(std::span<std::uint32_t const> tiles) const {
     std::vector<Rows> orders;
     for (std::uint32_t const tile : tiles) {
-      UpdateOrder order;
-      order.find(grid_, tiling_.tiles()[tile], ids_, [this](PackedGrid::Block const& block) {
-        return (block.marks ^ turned_) & ((1U << block.count) - 1U);
-      });
       orders.emplace_back();
-      order.for_each_group([&](std::span<std::uint32_t const> group) {
-        orders.back().insert(orders.back().end(), group.begin(), group.end());
-      });
+      for (int of_class = 0; of_class < 9; ++of_class) add_class(tiling_.tiles()[tile], of_class, orders.back());
     }
     return orders;
   }
 
-  /// The turns of the tiles together. Returns what each tile does, in its order.
+  /// The turns of the tiles together. Returns what each tile does, in its
+  /// order.
   std::vector<Rows> take(ClassOrder& order, std::span<std::uint32_t const> tiles) {
     std::vector<Rows> taken(tiles.size());
     for (std::size_t of_class = 0; of_class < ClassOrder::classes; ++of_class) {
-      order.find(grid_, tiling_, tiles, of_class, ids_, turned_);
+      find_order(order, grid_, tiling_, tiles, of_class, ids_, turned_);
       for (std::size_t first = 0; first < order.size();) {
         std::size_t const end = order.next_batch(grid_, first, largest_batch);
         EXPECT_GT(end, first);
@@ -85,6 +93,29 @@ class Turns {
   std::vector<std::size_t> sizes_of_batches;
 
  private:
+  void add_class(Tiling::Tile const& tile, int of_class, Rows& order) const {
+    std::vector<Rows> cells;
+    for (int row = tile.first_row + of_class / 3; row < tile.end_row; row += 3) {
+      for (int column = tile.first_column + of_class % 3; column < tile.end_column; column += 3)
+        cells.push_back(waiting_in(row * layout_.columns() + column));
+    }
+    for (std::size_t level = 0, before = order.size() + 1; before != order.size(); ++level) {
+      before = order.size();
+      for (Rows const& cell : cells) {
+        if (level < cell.size()) order.push_back(cell[level]);
+      }
+    }
+  }
+  /// In the order of the Ids.
+  [[nodiscard]] Rows waiting_in(int cell) const {
+    Rows rows;
+    grid_.for_each_in_cell(cell, [&](std::size_t row) {
+      bool const waits = ((grid_.block_of(row).marks ^ turned_) >> grid_.slot_of(row) & 1U) != 0;
+      if (waits) rows.push_back(static_cast<std::uint32_t>(row));
+    });
+    std::ranges::sort(rows, {}, [&](std::uint32_t row) { return ids_[row]; });
+    return rows;
+  }
   void require_apart(ClassOrder const& order, std::size_t first, std::size_t end) const {
     std::vector<int> cells;
     for (std::size_t k = first; k < end; ++k) cells.push_back(grid_.cell_of(order.rows()[k]));
@@ -111,7 +142,8 @@ class Turns {
   unsigned turned_ = 0;
 };
 
-/// Takes the turns of all tiles, some of a colour together; each has its own order.
+/// Takes the turns of all tiles, some of a colour together; each has its own
+/// order.
 void take_step(Turns& turns, ClassOrder& order, std::size_t most) {
   turns.begin_step();
   Rows all(turns.tiling().tiles().size());
@@ -124,7 +156,8 @@ void take_step(Turns& turns, ClassOrder& order, std::size_t most) {
   }
 }
 
-/// Sparse points, some to a cell, and so many that nearly every cell has several blocks.
+/// Sparse points, some to a cell, and so many that nearly every cell has
+/// several blocks.
 constexpr std::array<std::size_t, 4> numbers_of_points{40, 4000, 12'000, 60'000};
 
 TEST(ClassOrder, IsThatOfEachTileAloneStepAfterStep) {
@@ -157,10 +190,10 @@ TEST(ClassOrder, KnowsTheOrderOfAnyIdsInABlock) {
       std::uint32_t const tile = 0;
       Tiling const tiling(layout);
       for (unsigned const turned : {15U, 0U, 15U}) {
-        order.find(grid, tiling, std::span(&tile, 1), 0, ids, turned);
+        find_order(order, grid, tiling, std::span(&tile, 1), 0, ids, turned);
         ASSERT_EQ(order.size(), count);
         for (std::size_t k = 1; k < count; ++k) ASSERT_LT(ids[order.rows()[k - 1]], ids[order.rows()[k]]);
-        order.find(grid, tiling, std::span(&tile, 1), 0, ids, turned);
+        find_order(order, grid, tiling, std::span(&tile, 1), 0, ids, turned);
         EXPECT_EQ(order.size(), 0U) << "they have had their turns";
       }
     }
@@ -168,4 +201,4 @@ TEST(ClassOrder, KnowsTheOrderOfAnyIdsInABlock) {
 }
 
 }  // namespace
-}  // namespace gridlock::tiled
+}  // namespace gridlock

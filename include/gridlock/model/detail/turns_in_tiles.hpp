@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/grid/detail/class_order.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
-#include "gridlock/grid/detail/update_order.hpp"
 #include "gridlock/model/turn.hpp"
 
 namespace gridlock {
@@ -104,16 +104,18 @@ class TurnsInTiles {
   }
 
   void take_turns(Model const& model, Neighbourhood<Model>& around, std::uint32_t tile, TileResult& result) {
-    static thread_local UpdateOrder order;
-    order.find(*around.grid, tiling_.tiles()[tile], around.world.agents.ids(), [&](PackedGrid::Block const& block) {
-      unsigned slots = 0;
-      for (unsigned s = 0; s < block.count; ++s) {
-        slots |= (has_turned_[block.agent[s]] == 0 ? 1U : 0U) << s;
-      }
-      return slots;
-    });
-    order.for_each_group([&](std::span<std::uint32_t const> rows) {
-      for (std::uint32_t const row : rows) {
+    static thread_local ClassOrder order;
+    auto const take_waiting = [&](PackedGrid::Block const& block) {
+      unsigned waiting = block.marks & ~WaitingInBlock::all_slots;
+      for (unsigned s = 0; s < block.count; ++s) waiting |= (has_turned_[block.agent[s]] == 0 ? 1U : 0U) << s;
+      return waiting;
+    };
+    // An empty cell may name an agent that has died.
+    auto const ids = around.world.agents.ids();
+    auto const id_of = [&](std::uint32_t row) { return row < ids.size() ? ids[row] : Id{0}; };
+    for (std::size_t of_class = 0; of_class < ClassOrder::classes; ++of_class) {
+      order.find(*around.grid, tiling_, std::span(&tile, 1), of_class, id_of, take_waiting);
+      for (std::uint32_t const row : std::span(order.rows(), order.size())) {
         has_turned_[row] = 1;
         if (is_local(model, around, row)) {
           take_turn(model, around, row, result);
@@ -121,7 +123,7 @@ class TurnsInTiles {
           result.late.push_back(row);
         }
       }
-    });
+    }
   }
 
   void take_turn(Model const& model, Neighbourhood<Model>& around, std::uint32_t row, TileResult& result) {

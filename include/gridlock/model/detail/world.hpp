@@ -15,7 +15,7 @@ namespace gridlock {
 enum class Schedule {
   synchronous,  ///< all at once: everybody sees the world as it was before the step, and changes only itself
   sequential,   ///< one after the other in the order of the Ids; everybody sees what the others have just done
-  tiled,   ///< the same tile by tile, see Tiling and UpdateOrder: far from one another many take their turns at once
+  tiled,   ///< the same tile by tile, see Tiling and ClassOrder: far from one another many take their turns at once
   events,  ///< no turns: the model carries the whole world through a step, one event after the other
 };
 

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "gridlock/grid/detail/packed_grid.hpp"
 
 namespace gridlock {
 
-/// What the marks of a block say to tiled::ClassOrder, and what is looked up with them: a compiler would make branches
+/// The marks of a block as ClassOrder reads them, and what is looked up with them: a compiler would make branches
 /// of the questions, and the answers are as good as random.
 ///
 ///     bits of marks    0 … 3                      4 … 10                       15
@@ -69,7 +70,8 @@ template <class IdOf>
   for (unsigned s = 0; s < PackedGrid::slots; ++s) {
     bool const is_taken = s < block.count;
     // The agents that empty slots name may be far away in memory.
-    id[s] = std::uint64_t{id_of(block.agent[is_taken ? s : 0])} | (is_taken ? 0U : s + 1ULL) << 32;
+    std::uint64_t const id_taken = id_of(block.agent[is_taken ? s : 0]);
+    id[s] = is_taken ? id_taken : std::numeric_limits<std::uint64_t>::max() - PackedGrid::slots + s;
   }
   auto const is_less = [&](unsigned a, unsigned b) { return id[a] < id[b] ? 1U : 0U; };
   unsigned const less_01 = is_less(0, 1);

@@ -9,15 +9,20 @@
 #include <utility>
 #include <vector>
 
-#include "engine/waiting_in_block.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
+#include "gridlock/grid/detail/waiting_in_block.hpp"
 
-namespace gridlock::tiled {
+namespace gridlock {
 
-/// The order of the turns of some tiles of one colour, which touch no common cell, found class by class; UpdateOrder
-/// says what classes and levels are. Level by level the turns of a class come tile after tile, so each tile has its own
-/// order in it.
+/// The order of the turns of some tiles of one colour, which touch no common cell. A tile takes its turns class by
+/// class of cells three apart in both directions, and in a class level by level: first the agents with the lowest Id of
+/// every cell, then those with the second lowest, … Level by level the turns of a class come tile after tile, so each
+/// tile has its own order in it.
+///
+///     classes    6 7 8 6 7 8     The agents of one class and one level have no neighbour in common, so their turns
+///     of cells:  3 4 5 3 4 5     can be prepared together before any of them is taken.
+///                0 1 2 0 1 2
 ///
 /// Agents of a class stay where they are until it is their turn, and those that come into its cells have had theirs:
 /// what has been found at the beginning of a class stays right.
@@ -28,16 +33,18 @@ class ClassOrder {
   /// So many more turns may be read behind the last one; they are of agents of the grid.
   static constexpr std::size_t beyond = 8;
 
-  /// Finds the turns of a class, and marks the agents as turned. `ids` are the Ids of all rows, or numbers in the same
-  /// order;
-  /// `turned` has the bits of all slots that say that an agent has had its turn, none or all.
+  /// Finds the turns of a class. id_of(row) is the Id of a row, or a number in the same order, and any number for a row
+  /// that nobody has.
+  /// take_waiting(block), called once for each block, returns its marks with bit s set where the agent in slot s waits
+  /// for its turn, and no other of the bits of slots.
+  template <class IdOf, class TakeWaiting>
   void find(PackedGrid& grid, Tiling const& tiling, std::span<std::uint32_t const> tiles, std::size_t of_class,
-            std::span<std::uint32_t const> ids, unsigned turned) {
+            IdOf id_of, TakeWaiting take_waiting) {
     size_ = 0;
     several_size_ = 0;
     chains_.clear();
     for (std::size_t k = 0; k < tiles.size(); ++k) {
-      add_tile(grid, tiling.tiles()[tiles[k]], static_cast<std::uint8_t>(k), of_class, ids, turned);
+      add_tile(grid, tiling.tiles()[tiles[k]], static_cast<std::uint8_t>(k), of_class, id_of, take_waiting);
     }
     end_of_first_ = size_;
     if (several_size_ > 0) add_levels();
@@ -95,8 +102,9 @@ class ClassOrder {
   }
 
   /// Adds the first ones of the cells of a tile. Nothing but what is written depends on who waits.
-  void add_tile(PackedGrid& grid, Tiling::Tile const& tile, std::uint8_t number, std::size_t of_class,
-                std::span<std::uint32_t const> ids, unsigned turned) {
+  template <class IdOf, class TakeWaiting>
+  void add_tile(PackedGrid& grid, Tiling::Tile const& tile, std::uint8_t number, std::size_t of_class, IdOf id_of,
+                TakeWaiting& take_waiting) {
     int const first_row = tile.first_row + static_cast<int>(of_class / 3);
     int const first_column = tile.first_column + static_cast<int>(of_class % 3);
     if (first_row >= tile.end_row || first_column >= tile.end_column) return;
@@ -113,18 +121,16 @@ class ClassOrder {
         unsigned waiting = 0;
         if (block->next == PackedGrid::none) [[likely]] {
           if ((block->marks & PackedGrid::changed) != 0) [[unlikely]] {
-            note_order_of_ids(*block, [&](std::uint32_t agent) { return ids[agent]; });
+            note_order_of_ids(*block, id_of);
           }
-          unsigned const marks = block->marks;
-          waiting = waiting_in_block.waiting[marks ^ turned];
-          block->marks = static_cast<std::uint16_t>((marks & ~WaitingInBlock::all_slots) | turned);
+          waiting = waiting_in_block.waiting[take_waiting(*block)];
           unsigned const slot = WaitingInBlock::slot(waiting, 0);
           rows[n] = block->agent[slot];
           blocks[n] = block;
           slots[n] = static_cast<std::uint8_t>(slot);
           *several = {static_cast<std::uint32_t>(n), waiting};
         } else {
-          waiting = find_in_chain(grid, *block, ids, turned);
+          waiting = find_in_chain(grid, *block, id_of, take_waiting);
           if (waiting != 0) {
             rows[n] = chains_.back()[0];
             PackedGrid::Place const place = grid.place_of(rows[n]);
@@ -145,19 +151,18 @@ class ClassOrder {
 
   /// Finds those who wait in a cell of several blocks, in the order of Ids; returns the bits `any` and `several` of
   /// WaitingInBlock.
-  [[gnu::noinline]] unsigned find_in_chain(PackedGrid& grid, Block& first, std::span<std::uint32_t const> ids,
-                                           unsigned turned) {
+  template <class IdOf, class TakeWaiting>
+  [[gnu::noinline]] unsigned find_in_chain(PackedGrid& grid, Block& first, IdOf id_of, TakeWaiting& take_waiting) {
     std::vector<std::uint32_t> rows;
     for (Block* block = &first;; block = &grid.next_of(*block)) {
       unsigned const taken = (1U << block->count) - 1U;
-      for (unsigned left = (block->marks ^ turned) & taken; left != 0; left &= left - 1) {
+      for (unsigned left = take_waiting(*block) & taken; left != 0; left &= left - 1) {
         rows.push_back(block->agent[static_cast<std::size_t>(std::countr_zero(left))]);
       }
-      block->marks = static_cast<std::uint16_t>((block->marks & ~WaitingInBlock::all_slots) | turned);
       if (block->next == PackedGrid::none) break;
     }
     if (rows.empty()) return 0;
-    std::ranges::sort(rows, {}, [&](std::uint32_t row) { return ids[row]; });
+    std::ranges::sort(rows, {}, id_of);
     chains_.push_back(std::move(rows));
     return WaitingInBlock::any | (chains_.back().size() > 1 ? WaitingInBlock::several : 0U);
   }
@@ -210,4 +215,4 @@ class ClassOrder {
   std::vector<std::vector<std::uint32_t>> chains_;  ///< who waits in cells of several blocks
 };
 
-}  // namespace gridlock::tiled
+}  // namespace gridlock
