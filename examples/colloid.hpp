@@ -91,9 +91,9 @@ struct ColloidRule {
     double const diameter = 2.0 * radii_of(all).smallest;
     return step_length * diameter / (velocities.max > 0.0 ? velocities.max : 1.0);
   }
-  void start(World<Self>& world, ShareOfRows const& share) const {
-    State state = make_start(world.box, disks, world.seed, share);
-    draw_velocities(state, velocities, share);
+  void start(World<Self>& world) const {
+    State state = make_start(world.box, disks, world.seed);
+    draw_velocities(state, velocities);
     world.agents = std::move(state.agents);
   }
 

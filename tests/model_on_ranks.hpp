@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/model/detail/steps_from_homes.hpp"
+#include "gridlock/model/detail/model_on_ranks.hpp"
 #include "gridlock/model/model_engine.hpp"
 #include "gridlock/simulation/register_model.hpp"
 #include "thread_ranks.hpp"
@@ -90,26 +90,29 @@ void continue_on_ranks(Model const& model, EndedWorld<Model>& ended, StopConditi
   std::vector<World<Model>> parts(ranks.count());
   EndedWorld<Model> const before =
       std::exchange(ended, {.world = {}, .counters = ended.counters, .failure = {}, .names = ended.names});
-  ranks.run_on_all([&](Communicator& here) {
-    World<Model>& own = parts[here.rank()] = part_of(before.world, here);
-    StepsOfModel const steps = steps_of(here, model, own);
-    std::size_t agents = before.world.agents.size();
-    if (here.rank() > 0) {
-      // Nothing comes where there is nothing to do.
-      Message const bytes = here.receive(0);
-      MessageReader message(bytes);
-      if (message.next<TaskOfRanks>() == TaskOfRanks::leave) return;
-      follow_steps_from_homes(here, model, steps.cells, message, own, agents);
-      return;
-    }
-    own.events = before.world.events;
-    try {
-      lead_steps_from_homes(here, model, steps, threads, own, ended.counters, agents, ended.names, stop);
-    } catch (std::exception const& error) {
-      ended.failure = error.what();
-    }
-    send_task(here, TaskOfRanks::leave);
-  });
+  try {
+    ranks.run([&](Communicator& here) {
+      bool const is_root = here.rank() == 0;
+      World<Model>& own = parts[here.rank()] = part_of(before.world, here);
+      own.events = before.world.events;
+      if (is_root) own.agents.names_of_all() = before.names;
+      Counters counters = before.counters;
+      auto const note_end = [&] {
+        if (!is_root) return;
+        ended.counters = counters;
+        ended.names = own.agents.names_of_all();
+      };
+      try {
+        ModelOnRanks<Model>(model, here, threads).advance(own, counters, stop);
+      } catch (...) {
+        note_end();
+        throw;
+      }
+      note_end();
+    });
+  } catch (std::exception const& error) {
+    ended.failure = error.what();
+  }
   AgentRows<typename World<Model>::Agents> all;
   for (World<Model> const& part : parts) {
     for (std::size_t row = 0; row < part.agents.size(); ++row) {

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
 #include <functional>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -15,8 +19,6 @@
 
 #include "gridlock/core/detail/message.hpp"
 #include "gridlock/parallel/communicator.hpp"
-#include "gridlock/parallel/detail/tasks.hpp"
-#include "simulation/help.hpp"
 
 namespace gridlock::test {
 
@@ -25,40 +27,34 @@ class ThreadRanks {
  public:
   explicit ThreadRanks(std::size_t count) : count_(count) {}
 
-  /// Calls lead(ranks) for rank 0, while the others help.
-  void run(std::function<void(Communicator&)> const& lead) {
-    std::vector<std::thread> threads;
-    for (std::size_t rank = 1; rank < count_; ++rank) {
-      threads.emplace_back([this, rank] {
-        OneRank helper(*this, rank);
-        help(helper);
-      });
-    }
-    OneRank leader(*this, 0);
-    std::exception_ptr failure;
-    try {
-      lead(leader);
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    release_helpers(leader);
-    for (std::thread& thread : threads) thread.join();
-    if (failure) std::rethrow_exception(failure);
-  }
-
-  /// Calls work(ranks) for every rank. An exception of one ends the program.
-  void run_on_all(std::function<void(Communicator&)> const& work) {
+  /// Calls work(ranks) for every rank, each in a thread of its own. Throws what rank 0 has thrown; a rank that fails
+  /// while others wait for it ends the program.
+  void run(std::function<void(Communicator&)> const& work) {
+    std::vector<std::exception_ptr> failures(count_);
     std::vector<std::thread> threads;
     for (std::size_t rank = 0; rank < count_; ++rank) {
-      threads.emplace_back([this, rank, &work] {
+      threads.emplace_back([this, rank, &work, &failures] {
         OneRank here(*this, rank);
-        work(here);
+        try {
+          work(here);
+        } catch (std::exception const& failure) {
+          failures[rank] = std::current_exception();
+          if (count_ > 1 && !here.have_all_failed()) here.abandon(failure.what());
+        }
       });
     }
     for (std::thread& thread : threads) thread.join();
+    for (std::exception_ptr const& failure : failures) {
+      EXPECT_EQ(failure == nullptr, failures[0] == nullptr) << "some ranks have failed";
+    }
+    if (failures[0]) std::rethrow_exception(failures[0]);
   }
 
   [[nodiscard]] std::size_t count() const { return count_; }
+  /// From now on this rank has been asked to stop, as by a signal.
+  void ask_to_stop(std::size_t rank) { asked_to_stop_ = static_cast<int>(rank); }
+  /// Whether the root knows that some rank has been asked to stop.
+  [[nodiscard]] bool does_root_stop() const { return does_root_stop_; }
   /// Messages sent so far.
   [[nodiscard]] std::size_t messages() const { return messages_; }
 
@@ -75,9 +71,14 @@ class ThreadRanks {
       return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
     }
     [[nodiscard]] std::size_t count_on_machine() const override { return all_.count_; }
-    [[nodiscard]] bool is_stop_asked() const override { return false; }
-    void ask_to_stop() override {}
-    [[noreturn]] void abandon(std::string const& /*why*/) override { std::terminate(); }
+    [[nodiscard]] bool is_stop_asked() const override { return all_.asked_to_stop_ == static_cast<int>(rank_); }
+    void ask_to_stop() override {
+      if (rank_ == 0) all_.does_root_stop_ = true;
+    }
+    [[noreturn]] void abandon(std::string const& why) override {
+      std::cerr << "rank " << rank_ << " of " << all_.count_ << " fails alone: " << why << std::endl;
+      std::terminate();
+    }
 
    private:
     ThreadRanks& all_;
@@ -102,6 +103,8 @@ class ThreadRanks {
   }
 
   std::size_t count_;
+  std::atomic<int> asked_to_stop_ = -1;
+  std::atomic<bool> does_root_stop_ = false;
   std::mutex mutex_;
   std::condition_variable has_come_;
   std::map<std::pair<std::size_t, std::size_t>, std::deque<Message>> boxes_;

@@ -15,8 +15,6 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/parallel/detail/tasks.hpp"
-#include "simulation/help.hpp"
 #include "slots.hpp"
 
 namespace gridlock::mpi {
@@ -284,28 +282,41 @@ void MpiCrew::form_groups() {
   MPI_Comm_free(&group);
 }
 
-void MpiCrew::part() {
-  Communicator& ranks = processes().communicator();
-  if (ranks.rank() == 0) release_helpers(ranks);
-  is_working_ = false;
+void MpiCrew::part() { is_working_ = false; }
+
+/// The ranks that share the runs of this one make each of them with it.
+MakeRun MpiCrew::with_group(MakeRun const& make) {
+  return [this, make](CrewJob const& job, ReportShare const& report) {
+    static_cast<void>(processes().of_root(std::optional(job)));
+    return make(job, report);
+  };
 }
+
+/// Makes the runs of the first rank of the group with it, until there are no more.
+void MpiCrew::follow_group(MakeRun const& make) {
+  while (auto const job = processes().of_root(std::optional<CrewJob>())) {
+    static_cast<void>(make(*job, [](double) { return true; }));
+  }
+}
+
+void MpiCrew::release_group() { static_cast<void>(processes().of_root(std::optional<CrewJob>())); }
 
 void MpiCrew::lead(CrewLead const& lead) {
   std::vector<int> others;
   for (int rank = ranks_of_run_; rank < ranks_; rank += ranks_of_run_) others.push_back(rank);
-  Slots slots(runs_at_a_time_, lead.make);
+  Slots slots(runs_at_a_time_, with_group(lead.make));
   Leading(lead, slots, hooks_.is_stop_asked, std::move(others)).run();
+  release_group();
   part();
 }
 
 void MpiCrew::help(MakeRun const& make) {
-  Communicator& ranks = processes().communicator();
-  if (ranks.rank() > 0) {
-    gridlock::help(ranks);
+  if (!processes().is_root()) {
+    follow_group(make);
     part();
     return;
   }
-  Slots slots(runs_at_a_time_, make);
+  Slots slots(runs_at_a_time_, with_group(make));
   send(0, ready, std::uint64_t{slots.count()});
   Clock clock;
   bool has_asked_to_stop = false;
@@ -334,6 +345,7 @@ void MpiCrew::help(MakeRun const& make) {
     if (!has_news) std::this_thread::sleep_for(nap);
   }
   send(0, leaves, nullptr, 0);
+  release_group();
   part();
 }
 

@@ -12,8 +12,8 @@
 
 namespace gridlock::mpi {
 
-/// The ranks of MPI_COMM_WORLD; rank 0 leads. Groups of them may share runs: the first of a group makes a run, and the
-/// others help it.
+/// The ranks of MPI_COMM_WORLD; rank 0 leads. Groups of them may share runs: the first of a group is handed a run, and
+/// all of them make it.
 ///
 ///     ranks of a run: 3      0 1 2 │ 3 4 5 │ 6 7       0, 3 and 6 make runs
 ///
@@ -42,6 +42,9 @@ class MpiCrew final : public SweepCrew {
 
  private:
   void form_groups();
+  [[nodiscard]] MakeRun with_group(MakeRun const& make);
+  void follow_group(MakeRun const& make);
+  void release_group();
 
   RanksHooks hooks_;
   int rank_ = 0;

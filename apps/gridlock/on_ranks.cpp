@@ -1,41 +1,41 @@
 #include "on_ranks.hpp"
 
+#include <exception>
 #include <limits>
 
-#include "terminal.hpp"
 #include "workspace/sweep_crew.hpp"
 
 namespace gridlock::cli {
 
 namespace {
 
-/// Lets the others go, however the work ends.
-class Lead {
- public:
-  explicit Lead(SweepCrew& crew) : crew_(crew) {}
-  ~Lead() { crew_.part(); }
-  Lead(Lead const&) = delete;
-  Lead& operator=(Lead const&) = delete;
+/// The processes that share the run, when all of them are there.
+AllProcesses met_processes(CrewOptions const* options) {
+  if (options == nullptr) return {};
+  options->set_ranks_of_run(std::numeric_limits<std::size_t>::max());
+  options->crew.meet(options->command_hash, "");
+  return options->crew.processes();
+}
 
- private:
-  SweepCrew& crew_;
-};
+/// Nobody waits for this process any more.
+void part(CrewOptions const* options) {
+  if (options != nullptr) options->crew.part();
+}
 
 }  // namespace
 
-ExitCode carry_out(CrewOptions const* options, std::function<ExitCode(AllProcesses)> const& work) {
-  if (options == nullptr) return work({});
-  options->set_ranks_of_run(std::numeric_limits<std::size_t>::max());
-  SweepCrew& crew = options->crew;
-  crew.meet(options->command_hash, "");
-  if (crew.leads()) {
-    Lead const lead(crew);
-    return work(crew.processes());
+ExitCode carry_out(CrewOptions const* options, RunOutput& output,
+                   std::function<std::pair<gridlock::RunRecord, std::filesystem::path>(AllProcesses)> const& work) {
+  AllProcesses const processes = met_processes(options);
+  try {
+    auto const [record, directory] = work(processes);
+    part(options);
+    return processes.is_root() ? output.finish(record, directory) : ExitCode::good;
+  } catch (std::exception const& error) {
+    processes.require_failure_of_all(error.what());
+    part(options);
+    throw;
   }
-  // The leader answers a request to stop.
-  StopSignals const signals;
-  crew.help({});
-  return ExitCode::good;
 }
 
 }  // namespace gridlock::cli

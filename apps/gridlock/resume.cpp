@@ -1,7 +1,9 @@
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "gridlock/workspace/run_directory.hpp"
 #include "on_ranks.hpp"
@@ -19,15 +21,14 @@ struct ResumeOptions {
   RunOutput run_output;
 };
 
-ExitCode resume(ResumeOptions& options, AllProcesses processes) {
+gridlock::RunRecord resume(ResumeOptions& options, AllProcesses processes) {
   gridlock::RunHooks hooks = options.run_output.hooks();
   hooks.threads = options.threads;
   hooks.processes = processes;
   gridlock::RunLength const& length = options.length;
   bool const lengthens = length.steps || length.time || length.collisions_per_disk;
-  return options.run_output.finish(lengthens ? gridlock::lengthen_in(options.directory, length, hooks)
-                                             : gridlock::resume_in(options.directory, hooks),
-                                   options.directory);
+  return lengthens ? gridlock::lengthen_in(options.directory, length, hooks)
+                   : gridlock::resume_in(options.directory, hooks);
 }
 
 }  // namespace
@@ -52,7 +53,9 @@ void add_resume(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
       ->type_name("C");
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code, crew] {
-    exit_code = carry_out(crew, [&](AllProcesses processes) { return resume(*options, processes); });
+    exit_code = carry_out(crew, options->run_output, [&](AllProcesses processes) {
+      return std::pair(resume(*options, processes), std::filesystem::path(options->directory));
+    });
   });
 }
 

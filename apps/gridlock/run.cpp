@@ -22,12 +22,14 @@ struct RunOptions {
   std::optional<unsigned> threads;
 };
 
-ExitCode run(RunOptions& options, AllProcesses processes) {
-  gridlock::SettingsFile settings = options.configuration.read();
-  if (options.threads) {
+std::pair<gridlock::RunRecord, std::filesystem::path> run(RunOptions& options, AllProcesses processes) {
+  gridlock::SettingsFile settings;
+  processes.on_root([&] {
+    settings = options.configuration.read();
+    if (!options.threads) return;
     std::string const number = std::to_string(*options.threads);
     settings.set("engine.threads", number, {.file = "--threads", .source_line = number});
-  }
+  });
   gridlock::Setup setup = gridlock::set_up(
       settings, {.on_slow_start =
                      [](double seconds) {
@@ -40,10 +42,10 @@ ExitCode run(RunOptions& options, AllProcesses processes) {
                  .processes = processes});
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
-  gridlock::open_run_directory(directory, setup, options.output.overwrites, options.configuration.file);
-  gridlock::RunHooks hooks = options.run_output.hooks();
-  hooks.processes = processes;
-  return options.run_output.finish(gridlock::run_in(directory, std::move(setup), hooks), directory);
+  processes.on_root(
+      [&] { gridlock::open_run_directory(directory, setup, options.output.overwrites, options.configuration.file); });
+  gridlock::RunHooks const hooks = options.run_output.hooks();
+  return {gridlock::run_in(directory, std::move(setup), hooks), directory};
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ void add_run(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
       ->check(whole_number(0, 1024));
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code, crew] {
-    exit_code = carry_out(crew, [&](AllProcesses processes) { return run(*options, processes); });
+    exit_code = carry_out(crew, options->run_output, [&](AllProcesses processes) { return run(*options, processes); });
   });
 }
 

@@ -20,6 +20,7 @@
 #include <cstdlib>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/tiled/on_ranks.hpp"
@@ -27,17 +28,20 @@
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"
 #include "gridlock/lattice/start.hpp"
-#include "gridlock/parallel/detail/tasks.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "parallel/disks_of_all.hpp"
 
 namespace {
 
-void lead(gridlock::Communicator& ranks, std::size_t disks, std::uint64_t steps) {
+/// All ranks call it; the root prints.
+void run(gridlock::Communicator& ranks, std::size_t disks, std::uint64_t steps) {
   gridlock::State state = gridlock::make_start(gridlock::Box(1.0, 1.0, gridlock::Edge::periodic),
                                                {.count = disks, .packing_fraction = 0.7}, 20);
   gridlock::draw_velocities(state, {});
+  state = gridlock::deal_out(ranks, std::move(state));
   gridlock::EngineSettings const settings{.kind = "tiled", .threads = 1, .processes = ranks};
   auto const engine = gridlock::make_engine(settings, state);
-  // The leader looks up when all ranks have taken their first step, and then now and then.
+  // The root looks up when all ranks have taken their first step, and then now and then.
   double first_seconds = 0.0;
   double last_seconds = 0.0;
   std::uint64_t first_step = 0;
@@ -52,6 +56,8 @@ void lead(gridlock::Communicator& ranks, std::size_t disks, std::uint64_t steps)
     return true;
   };
   engine->advance(state, counters, stop);
+  std::uint64_t const sum = gridlock::all_sum(ranks, gridlock::sum_of_hashes(state.agents));
+  if (ranks.rank() > 0) return;
   double messages = 0.0;
   double bytes = 0.0;
   for (gridlock::Traffic const& rank : ranks.traffic_of_ranks()) {
@@ -61,7 +67,7 @@ void lead(gridlock::Communicator& ranks, std::size_t disks, std::uint64_t steps)
   double const rank_steps = static_cast<double>(ranks.count() * steps);
   double const seconds = (last_seconds - first_seconds) / static_cast<double>(steps - first_step);
   fmt::print("{},{},{:.6g},{:.4g},{:.5g},{:016x}\n", ranks.count(), disks, seconds, messages / rank_steps,
-             bytes / rank_steps, gridlock::hash(state));
+             bytes / rank_steps, gridlock::hash_of_world(state.box, state.clock, state.seed, disks, sum));
 }
 
 /// How evenly the tiles of so many disks in a square lattice are divided: the mean number of disks of a rank as a share
@@ -85,17 +91,6 @@ double balance_of(double disks, std::size_t ranks) {
     largest = std::max(largest, cells);
   }
   return static_cast<double>(layout.count()) / static_cast<double>(ranks) / static_cast<double>(largest);
-}
-
-/// Takes part in the steps of the leader, until it lets all go.
-void follow(gridlock::Communicator& ranks) {
-  gridlock::State own;
-  while (true) {
-    gridlock::Message const bytes = ranks.receive(0);
-    gridlock::MessageReader message(bytes);
-    if (message.next<gridlock::TaskOfRanks>() == gridlock::TaskOfRanks::leave) return;
-    gridlock::tiled::take_part(ranks, message, own);
-  }
 }
 
 }  // namespace
@@ -124,12 +119,7 @@ int main(int argc, char** argv) {
                                          smpi_execute(seconds_of_turn * static_cast<double>(turns) +
                                                       seconds_of_byte * static_cast<double>(bytes));
                                        }});
-    if (ranks.rank() > 0) {
-      follow(ranks);
-    } else {
-      lead(ranks, std::stoul(argv[1]), std::stoul(argv[2]));
-      gridlock::release_helpers(ranks);
-    }
+    run(ranks, std::stoul(argv[1]), std::stoul(argv[2]));
   }
   MPI_Finalize();
   return EXIT_SUCCESS;

@@ -55,7 +55,7 @@ class AgentTable {
 
   [[nodiscard]] AgentsView view() const;
   [[nodiscard]] std::vector<NamedColumn> columns();
-  [[nodiscard]] std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed) const;
+  [[nodiscard]] std::uint64_t sum_of_hashes() const;
   void serialize(Archive& archive);
   [[nodiscard]] std::shared_ptr<void> release();
   /// See has_vectors_side_by_side(). What has pointers into the columns must not be left.
@@ -70,8 +70,9 @@ class AgentTable {
 
 // What a World asks of its agents.
 inline std::vector<NamedColumn> columns_of(AgentTable& agents) { return agents.columns(); }
+inline std::uint64_t sum_of_hashes(AgentTable const& agents) { return agents.sum_of_hashes(); }
 inline std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, AgentTable const& agents) {
-  return agents.hash(box, clock, seed);
+  return hash_of_world(box, clock, seed, agents.size(), agents.sum_of_hashes());
 }
 
 }  // namespace gridlock::python

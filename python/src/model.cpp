@@ -143,7 +143,8 @@ class PythonModelKind final : public detail::AgentsKind {
   [[nodiscard]] double attempts_at_start(Box const& /*box*/, std::uint64_t /*seed*/) const override { return 0.0; }
   [[nodiscard]] std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings, ObserveSettings const& observed,
-                                                 std::vector<std::string>& notes) const override {
+                                                 std::vector<std::string>& notes,
+                                                 AllProcesses /*processes*/) const override {
     World<TableModel> world{.box = box, .agents = AgentTable(definition_->columns), .clock = {}, .seed = seed};
     ModelInstance model{.definition = definition_,
                         .object = {},

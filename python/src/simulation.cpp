@@ -284,7 +284,7 @@ class PythonSimulation {
   void write_state(std::string const& path) {
     Use const use(*this);
     check_changes();
-    write_xyz(*simulation().frame_source(), path);
+    simulation().give_frame([&](FrameSource const& frame) { write_xyz(frame, path); });
   }
 
  private:

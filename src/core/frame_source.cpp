@@ -46,18 +46,18 @@ class AgentsSource final : public FrameSource {
 
 class SomeColumns final : public FrameSource {
  public:
-  SomeColumns(Frame head, std::unique_ptr<FrameSource> all, std::vector<std::size_t> places)
-      : FrameSource(std::move(head), all->size()), all_(std::move(all)), places_(std::move(places)) {}
+  SomeColumns(Frame head, FrameSource const& all, std::vector<std::size_t> places)
+      : FrameSource(std::move(head), all.size()), all_(all), places_(std::move(places)) {}
 
   [[nodiscard]] std::vector<Id> ids(std::size_t first, std::size_t count) const override {
-    return all_->ids(first, count);
+    return all_.ids(first, count);
   }
   [[nodiscard]] FrameValues values(std::size_t column, std::size_t first, std::size_t count) const override {
-    return all_->values(places_[column], first, count);
+    return all_.values(places_[column], first, count);
   }
 
  private:
-  std::unique_ptr<FrameSource> all_;
+  FrameSource const& all_;
   std::vector<std::size_t> places_;
 };
 
@@ -103,10 +103,10 @@ std::unique_ptr<FrameSource> frame_source_of(Frame const& frame) {
   return frame_source_of(frame.box, frame.clock, frame.seed, AgentsView(frame.ids, std::move(columns)));
 }
 
-std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, std::vector<std::size_t> columns) {
-  Frame head = head_of(*frame);
-  for (std::size_t const place : columns) head.columns.push_back(frame->columns()[place]);
-  return std::make_unique<SomeColumns>(std::move(head), std::move(frame), std::move(columns));
+std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::vector<std::size_t> columns) {
+  Frame head = head_of(frame);
+  for (std::size_t const place : columns) head.columns.push_back(frame.columns()[place]);
+  return std::make_unique<SomeColumns>(std::move(head), frame, std::move(columns));
 }
 
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentsView const& agents) {

@@ -27,9 +27,9 @@ constexpr char const* previous_name = "checkpoint.previous.gridlock";
 constexpr std::string_view part_prefix = "checkpoint.part.";
 constexpr std::string_view part_suffix = ".gridlock";
 
-/// The member that lists the parts of a checkpoint: rows and checksum of each.
+/// The member that lists the parts of a checkpoint: the checksum of each.
 constexpr char const* parts_member = "parts";
-constexpr std::size_t numbers_per_part = 3;
+constexpr std::size_t numbers_per_part = 2;
 
 char in_parts(char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); }
 
@@ -107,7 +107,7 @@ class SavingArchive final : public NamedArchive {
     if (saved_ == Saved::all_but_rows) {
       std::vector<std::uint64_t> of_parts;
       for (CheckpointPart const& part : parts_) {
-        if (!part.lengths.empty()) of_parts.push_back(part.lengths.at(lengths_.size() - 1));
+        of_parts.push_back(part.lengths.at(lengths_.size() - 1));
       }
       members_.add_bytes(full(name), in_parts(checkpoint::letter_of<Number>()), std::as_bytes(std::span(of_parts)));
     } else {
@@ -130,7 +130,7 @@ std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
     std::vector<std::uint64_t> numbers(file.count<std::uint64_t>(list));
     file.read(list, 0, std::span(numbers));
     for (std::size_t k = 0; k + numbers_per_part <= numbers.size(); k += numbers_per_part) {
-      parts.push_back({.rows = numbers[k], .checksum = {numbers[k + 1], numbers[k + 2]}});
+      parts.push_back({.checksum = {numbers[k], numbers[k + 1]}});
     }
   } catch (Error const& error) {
     checkpoint::refuse(file.name(), error.problems().front().what, error.problems().front().hint);
@@ -140,7 +140,6 @@ std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
 
 /// The rows of a list of so many that a process has.
 std::pair<std::uint64_t, std::uint64_t> rows_of(CheckpointShare const& share, std::uint64_t rows) {
-  if (share.end_row != CheckpointShare::any_rows) return {share.first_row, share.end_row};
   RowDivision const even = RowDivision::even(rows, share.count);
   return {even.first(share.part), even.end(share.part)};
 }
@@ -163,7 +162,6 @@ class Parts {
       : directory_(std::move(directory)), parts_(parts_of(file)), files_(parts_.size()) {}
 
   [[nodiscard]] std::size_t size() const { return parts_.size(); }
-  [[nodiscard]] std::uint64_t rows(std::size_t part) const { return parts_[part].rows; }
   /// Errors: Error naming the file that is missing or damaged.
   [[nodiscard]] checkpoint::File const& file(std::size_t part) const {
     std::optional<checkpoint::File>& file = files_[part];
@@ -199,29 +197,10 @@ std::vector<Piece> pieces_between(std::uint64_t first, std::uint64_t end, std::s
   return pieces;
 }
 
-/// The pieces of a share that says which rows it has, or has all. Their files are there. Errors: Error naming the one
-/// that is missing or damaged.
-std::vector<Piece> pieces_of(checkpoint::File const& file, Parts const& parts, CheckpointShare const& share) {
-  bool const has_any = share.end_row == CheckpointShare::any_rows;
-  if (parts.size() == 0 || (has_any && share.count > 1)) return {};
-  std::uint64_t rows = 0;
-  for (std::size_t part = 0; part < parts.size(); ++part) rows += parts.rows(part);
-  std::vector<Piece> pieces =
-      pieces_between(share.first_row, share.end_row, parts.size(), [&](std::size_t part) { return parts.rows(part); });
-  for (Piece const& piece : pieces) static_cast<void>(parts.file(piece.part));
-  bool const is_last = share.part + 1 == share.count && !has_any;
-  std::uint64_t const least = has_any ? share.first_row : share.end_row;
-  if (rows < least || (is_last && rows > least)) {
-    checkpoint::refuse(file.name(), fmt::format("its parts have {} rows, and this run has others", rows),
-                       "it was written for another configuration");
-  }
-  return pieces;
-}
-
 class RestoringArchive final : public NamedArchive {
  public:
   RestoringArchive(checkpoint::File const& file, Parts const& parts, CheckpointShare const& share)
-      : file_(file), parts_(parts), pieces_(pieces_of(file, parts, share)), share_(share) {}
+      : file_(file), parts_(parts), share_(share) {}
 
   [[nodiscard]] bool is_restoring() const override { return true; }
   void visit(std::string_view name, bool& value) override { value = file_.at(full(name), FileKind::truth).number != 0; }
@@ -256,33 +235,11 @@ class RestoringArchive final : public NamedArchive {
     checkpoint::File::Place const& list = file_.at(full(name), FileKind::list);
     bool const is_in_parts = file_.version() == checkpoint::version_of_parts;
     if (is_in_parts && file_.letter(list) == in_parts(checkpoint::letter_of<Number>())) {
-      std::vector<std::uint64_t> const lengths = file_.rest_of<std::uint64_t>(list);
-      return lengths.empty() ? restore_rows_of_parts(name, values) : restore_from_lists(name, lengths, values);
+      return restore_from_lists(name, file_.rest_of<std::uint64_t>(list), values);
     }
-    std::uint64_t const count = file_.count<Number>(list);
-    bool const is_empty = count == 0;
-    auto const [first, end] = is_empty ? std::pair<std::uint64_t, std::uint64_t>(0, 0) : rows_of(share_, count);
-    bool const is_last = share_.part + 1 == share_.count;
-    require(first <= end && end <= count && (is_empty || !is_last || end == count),
-            "a list has not a value for each agent");
+    auto const [first, end] = rows_of(share_, file_.count<Number>(list));
     values.resize(end - first);
     file_.read(list, first, std::span(values));
-  }
-
-  /// A list with a value for each row of each part. One that is empty in all parts was empty.
-  template <class Number>
-  void restore_rows_of_parts(std::string_view name, std::vector<Number>& values) const {
-    require(share_.end_row != CheckpointShare::any_rows || share_.count == 1, "its agents do not come and go");
-    std::string const member = full(name);
-    values.clear();
-    std::uint64_t rows = 0;
-    for (Piece const& piece : pieces_) {
-      rows += piece.count;
-      std::uint64_t const count = count_in_part<Number>(piece.part, member);
-      require_length(piece.part, member, count, count == 0 ? 0 : parts_.rows(piece.part));
-      if (count > 0) append<Number>(piece, member, values);
-    }
-    require(values.empty() || values.size() == rows, "a list has not a value for each agent");
   }
 
   /// A list of which each part has some rows, each another number.
@@ -293,7 +250,6 @@ class RestoringArchive final : public NamedArchive {
     require(lengths.size() == parts_.size(), "a list has not as many parts as the checkpoint");
     std::uint64_t const rows = std::reduce(lengths.begin(), lengths.end());
     auto const [first, end] = rows_of(share_, rows);
-    require(first <= end && end <= rows, "a list has not a value for each agent");
     values.clear();
     for (Piece const& piece :
          pieces_between(first, end, lengths.size(), [&](std::size_t part) { return lengths[part]; })) {
@@ -323,7 +279,6 @@ class RestoringArchive final : public NamedArchive {
 
   checkpoint::File const& file_;
   Parts const& parts_;
-  std::vector<Piece> pieces_;  ///< of a share that says which rows it has
   CheckpointShare const& share_;
 };
 
@@ -421,12 +376,7 @@ CheckpointPart write_checkpoint_part(fs::path const& directory, CheckpointShare 
                                      SerializeAll const& serialize) {
   SavingArchive archive(Saved::rows);
   serialize(archive);
-  CheckpointPart part{.checksum = archive.members().checksum()};
-  if (share.end_row == CheckpointShare::any_rows) {
-    part.lengths = archive.lengths();
-  } else {
-    part.rows = share.end_row - share.first_row;
-  }
+  CheckpointPart const part{.checksum = archive.members().checksum(), .lengths = archive.lengths()};
   AtomicFile file(directory / name_of_part(share.part, part));
   append_to(file, checkpoint::whole_version, archive.members());
   file.commit();
@@ -441,7 +391,7 @@ void write_checkpoint(fs::path const& directory, SerializeAll const& serialize,
     if (!parts.empty()) {
       std::vector<std::uint64_t> numbers;
       for (CheckpointPart const& part : parts) {
-        numbers.insert(numbers.end(), {part.rows, part.checksum[0], part.checksum[1]});
+        numbers.insert(numbers.end(), part.checksum.begin(), part.checksum.end());
       }
       archive.members().add_list(parts_member, numbers);
     }

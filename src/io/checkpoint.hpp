@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
 
 namespace gridlock {
 
@@ -26,42 +26,31 @@ using SerializeAll = std::function<void(Archive&)>;
 ///            32   a map of CBOR: "name.of.member" → number, text, or the numbers of a list as bytes
 ///
 /// The first byte of a list tells the kind of its numbers: d, i, u or q; D, I, U or Q where it is a list of rows, and
-/// they are in the parts. Numbers of 64 bits follow there then, how many rows each part has of that list; none where
-/// these are as many as the parts say of themselves.
+/// they are in the parts. Numbers of 64 bits follow there then, how many rows each part has of that list.
 std::string to_checkpoint(SerializeAll const& serialize);
 
 /// Restores what to_checkpoint() made. `name` names the file in errors.
 /// Errors: Error if the bytes are not a checkpoint, have another format version, are corrupted, or lack a member.
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize);
 
-/// The rows that one of several processes has of a checkpoint: those that
-/// Archive::visit_rows() visits there.
-///
-/// Where the rows are for the whole run those of the same agents, they are rows first_row … end_row − 1. Where agents
-/// come and go, nobody says which: each process saves lists of any lengths, and gets as many rows of each list as the
-/// others, in the order of the processes. All of them where there is one process.
+/// Which of several processes has a part of a checkpoint. The rows are those that Archive::visit_rows() visits: each
+/// process saves lists of any lengths, and gets as many rows of each list as the others, in the order of the processes.
 struct CheckpointShare {
-  static constexpr std::uint64_t any_rows = std::numeric_limits<std::uint64_t>::max();
   std::size_t part = 0;   ///< of this process
   std::size_t count = 1;  ///< processes
-  std::uint64_t first_row = 0;
-  std::uint64_t end_row = any_rows;
 };
 
 /// A file with the rows of one process, as the others have to know it.
 struct CheckpointPart {
-  std::uint64_t rows = 0;
   std::array<std::uint64_t, 2> checksum{};
-  std::vector<std::uint64_t>
-      lengths{};  ///< of its lists of rows, in the order in which they are visited, where they may differ
+  std::vector<std::uint64_t> lengths{};  ///< of its lists of rows, in the order in which they are visited
 
   friend bool operator==(CheckpointPart const&, CheckpointPart const&) = default;
 };
 
 /// Writes the rows of one of several processes, and nothing else that `serialize` visits, into a file of its own beside
 /// the checkpoint. It is on the disk when this returns, and is nothing until write_checkpoint() names it: first every
-/// process writes its part, then one of them the checkpoint. Where the share says which rows it has, each list has a
-/// value for each, or none in any process.
+/// process writes its part, then one of them the checkpoint.
 ///
 /// The name has the number of the part and the checksum, so that a part replaces nothing but its own copy:
 ///
@@ -107,6 +96,17 @@ using AgreeOnRefusal = std::function<std::string(std::string const& reason)>;
 /// regular file.
 std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize,
                                            CheckpointShare const& share = {}, AgreeOnRefusal const& agree = {});
+
+/// Writes the checkpoint of processes that share a run, which call this together: one that is alone writes all, several
+/// a part each. Errors: RunFailure, in all of them.
+void write_checkpoint_of_all(std::filesystem::path const& directory, SerializeAll const& serialize,
+                             AllProcesses processes);
+
+/// Restores it in any number of processes, which call this together. Each gets as many rows of
+/// each list.
+/// Errors: those of restore_checkpoint().
+std::optional<Restored> restore_checkpoint_of_all(std::filesystem::path const& directory, SerializeAll const& serialize,
+                                                  AllProcesses processes);
 
 /// Removes the parts that no checkpoint of a directory has, as those of one that could not be written. While it cannot
 /// be told which these are, all stay.

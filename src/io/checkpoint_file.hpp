@@ -20,7 +20,7 @@ using Checksum = std::array<std::uint64_t, 2>;
 /// Version of a file that has all that it names.
 constexpr std::uint32_t whole_version = 4;
 /// Version of a file whose rows are in other files.
-constexpr std::uint32_t version_of_parts = 5;
+constexpr std::uint32_t version_of_parts = 6;
 
 /// The kind of numbers in a list: the first byte of its value.
 template <class Number>

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "grid/linked_grid.hpp"
@@ -57,7 +58,7 @@ class RandomInsertion {
   /// The packing fraction of the disks that have a place.
   [[nodiscard]] double packing_fraction() const { return covered_ / box_.area(); }
 
-  [[nodiscard]] std::vector<Vector> const& sites() const { return sites_; }
+  [[nodiscard]] std::vector<Vector> take_sites() { return std::move(sites_); }
   [[nodiscard]] std::uint64_t attempts() const { return max_attempts_for(radii_.size()) - attempts_left_; }
 
  private:

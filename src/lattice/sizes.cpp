@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <string_view>
 
@@ -90,14 +91,17 @@ std::function<double(double)> quantile_function(DisksSettings const& settings) {
 
 }  // namespace
 
-Sizes::Sizes(DisksSettings const& settings, ShareOfRows const& share)
-    : count_(share.all()), first_(share.first()), quantile_function_(quantile_function(settings)) {
-  of_share_.reserve(share.size());
-  for (std::uint64_t k = share.first(); k < share.end(); ++k) of_share_.push_back(quantile(k));
-  double const sum = share.add_in_order(0.0, [this](double& so_far) {
-    for (double const size : of_share_) so_far += size;
-  });
-  scale_ = static_cast<double>(count_) / sum;
+std::vector<double> sizes_in_order(DisksSettings const& settings, std::uint64_t count) {
+  std::function<double(double)> const quantile = quantile_function(settings);
+  std::vector<double> sizes(count);
+  double sum = 0.0;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    sizes[k] = quantile((static_cast<double>(k) + 0.5) / static_cast<double>(count));
+    sum += sizes[k];
+  }
+  double const scale = static_cast<double>(count) / sum;
+  for (double& size : sizes) size *= scale;
+  return sizes;
 }
 
 }  // namespace gridlock

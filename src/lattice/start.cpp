@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -11,10 +10,8 @@
 #include <utility>
 
 #include "core/magnitude.hpp"
-#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
-#include "lattice/insertion_on_ranks.hpp"
 #include "lattice/kinds.hpp"
 #include "lattice/random_insertion.hpp"
 
@@ -63,33 +60,6 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
   return radius;
 }
 
-/// The rows of the share; `site_of(row)` is where a disk is.
-template <class SiteOf>
-State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const& kinds, std::uint64_t seed,
-                     ShareOfRows const& share) {
-  State state{.box = box, .seed = seed};
-  if (share.size() == kinds.count()) {
-    state.agents.reserve(share.size());
-    for (std::size_t i = 0; i < share.size(); ++i) {
-      Vector const site = site_of(i);
-      state.agents.add(site.x, site.y, 0.0, 0.0, radius * kinds.size_ratio(i), kinds.mass(i), 0, 0);
-    }
-    return state;
-  }
-  LargeArray<Id> ids;
-  Disks::AllValues values;
-  ids.resize(share.size());
-  values.resize(ids.size());
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    std::size_t const i = share.first() + k;
-    Vector const site = site_of(i);
-    ids[k] = i;
-    values.put(k, {site.x, site.y, 0.0, 0.0, radius * kinds.size_ratio(i), kinds.mass(i), 0, 0});
-  }
-  state.agents.become(ids, values);
-  return state;
-}
-
 /// Six digits that never say more than `value`, so that the largest value that fits still fits when it is typed in.
 std::string rounded_down(double value) {
   double const unit = std::pow(10.0, std::floor(std::log10(value)) - 5.0);
@@ -133,24 +103,18 @@ Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds
                 .key = size_key(settings)});
 }
 
-State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
-                    ShareOfRows const& share) {
+StartOfDisks::SiteOf lattice_sites(Box const& box, DisksSettings const& settings, Kinds const& kinds, double& radius) {
   LatticeFit const fit = fit_lattice(settings.start, box, kinds.count());
   double const largest = fit.radius / kinds.largest_ratio();
-  double const radius = wanted_radius(settings, box, kinds);
   if (radius > largest * max_fitted_up) throw too_large_for_lattice(settings, box, kinds, radius, largest);
-  return disks_on_sites(
-      box, [&](std::size_t i) { return fit.site(i); }, std::min(radius, largest), kinds, seed, share);
+  radius = std::min(radius, largest);
+  return [fit](std::size_t i) { return fit.site(i); };
 }
 
-std::vector<double> radii_of(Kinds const& kinds, double radius, ShareOfRows const& share) {
-  std::vector<double> radii(share.size());
-  for (std::size_t k = 0; k < radii.size(); ++k) radii[k] = radius * kinds.size_ratio(share.first() + k);
-  return radii;
-}
-
-RandomInsertion insertion_of_all(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed) {
-  return {box, radii_of(kinds, radius, ShareOfRows(kinds.count())), seed};
+RandomInsertion insertion_of(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed) {
+  std::vector<double> radii(kinds.count());
+  for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = radius * kinds.size_ratio(i);
+  return {box, std::move(radii), seed};
 }
 
 /// The packing fraction that random insertion can reach with disks of these settings, found by doing it: with all of
@@ -160,7 +124,7 @@ class InsertionTrial {
  public:
   InsertionTrial(Box const& box, DisksSettings const& settings, std::uint64_t count, std::uint64_t seed)
       : box_(count <= max_disks ? box : Box(1.0, 1.0, Edge::periodic)),
-        kinds_(settings, ShareOfRows(std::min(count, max_disks)), seed),
+        kinds_(settings, std::min(count, max_disks), seed),
         seed_(seed),
         is_sample_(count > max_disks) {}
 
@@ -186,7 +150,7 @@ class InsertionTrial {
     double attempts_per_disk = 0.0;
   };
   [[nodiscard]] Outcome insert(double packing_fraction) const {
-    RandomInsertion insertion = insertion_of_all(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
+    RandomInsertion insertion = insertion_of(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
     auto const disks = static_cast<double>(kinds_.count());
     double const share = static_cast<double>(insertion.place_all()) / disks;
     return {share, insertion.packing_fraction(), static_cast<double>(insertion.attempts()) / disks};
@@ -236,27 +200,9 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
 // Below, every mixture fits, and a trial would be time lost.
 constexpr double always_reached = 0.4;
 
-/// The rows of the share. Few disks every process puts down by itself, many it does together with the others.
-InsertedRows insert(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
-                    std::uint64_t seed, ShareOfRows const& share) {
-  if (share.size() < kinds.count() && kinds.count() > InsertionTrial::max_disks) {
-    return insert_on_ranks(share.processes(), box, radii_of(kinds, radius, share), share.division(), seed);
-  }
-  ShareOfRows const all(kinds.count());
-  RandomInsertion insertion = share.size() < all.size()
-                                  ? insertion_of_all(box, Kinds(settings, all, seed), radius, seed)
-                                  : insertion_of_all(box, kinds, radius, seed);
-  std::size_t const placed = insertion.place_all();
-  auto const first = insertion.sites().begin() + static_cast<std::ptrdiff_t>(share.first());
-  return {.sites = {first, first + static_cast<std::ptrdiff_t>(share.size())},
-          .placed = placed,
-          .packing_fraction = insertion.packing_fraction()};
-}
-
-State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
-                   ShareOfRows const& share) {
+std::vector<Vector> random_sites(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
+                                 std::uint64_t seed) {
   std::size_t const count = kinds.count();
-  double const radius = wanted_radius(settings, box, kinds);
   double const packing_fraction = packing_fraction_for(radius, box, kinds);
   InsertionTrial const trial(box, settings, count, seed);
   auto const refuse = [&](std::string const& what, double reached) -> Error {
@@ -279,21 +225,20 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
           outcome.packing_fraction);
     }
   }
-  InsertedRows const inserted = insert(box, settings, kinds, radius, seed, share);
-  if (inserted.placed < count) {
+  RandomInsertion insertion = insertion_of(box, kinds, radius, seed);
+  std::size_t const placed = insertion.place_all();
+  if (placed < count) {
     throw refuse(
         fmt::format("random insertion found room for {} of {} disks; it reached packing fraction {:.4f} of {:.6g}",
-                    inserted.placed, count, inserted.packing_fraction, packing_fraction),
-        inserted.packing_fraction);
+                    placed, count, insertion.packing_fraction(), packing_fraction),
+        insertion.packing_fraction());
   }
-  return disks_on_sites(
-      box, [&](std::size_t i) { return inserted.sites[i - share.first()]; }, radius, kinds, seed, share);
+  return insertion.take_sites();
 }
 
 /// Points uniformly at random, wherever the other disks are.
-State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
-                    ShareOfRows const& share) {
-  double const radius = wanted_radius(settings, box, kinds);
+StartOfDisks::SiteOf uniform_sites(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
+                                   std::uint64_t seed) {
   double const largest = radius * kinds.largest_ratio();
   if (2.0 * largest > std::min(box.width(), box.height())) {
     throw Error({.what = fmt::format("a disk of diameter {:.6g} does not fit into the box of {} × {}", 2.0 * largest,
@@ -301,11 +246,10 @@ State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& 
                  .hint = "use a larger box or smaller disks",
                  .key = size_key(settings)});
   }
-  auto const site_of = [&](std::size_t i) {
+  return [&kinds, box, radius, seed](std::size_t i) {
     RandomStream random = places_of(seed, i);
     return AllowedCentres(box, radius * kinds.size_ratio(i)).draw(random);
   };
-  return disks_on_sites(box, site_of, radius, kinds, seed, share);
 }
 
 }  // namespace
@@ -316,30 +260,59 @@ Box make_box(BoxSettings const& settings) {
   return box;
 }
 
-State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
-  return make_start(box, settings, seed, ShareOfRows(count_of(settings)));
-}
-
 std::uint64_t count_of(DisksSettings const& settings) { return settings.count.value_or(841); }
 
-State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, ShareOfRows const& share) {
-  assert(share.all() == count_of(settings));
-  if (share.all() == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
-  Kinds const kinds(settings, share, seed);
-  switch (settings.start) {
-    case StartKind::square:
-    case StartKind::triangular:
-      return lattice_start(box, settings, kinds, seed, share);
-    case StartKind::random:
-      return random_start(box, settings, kinds, seed, share);
-    case StartKind::uniform:
-      return uniform_start(box, settings, kinds, seed, share);
-    case StartKind::file:
-      break;
+struct StartOfDisks::Plan {
+  Box box;
+  std::uint64_t seed = 0;
+  Kinds kinds;
+  double radius = 0.0;
+  SiteOf site_of = {};
+};
+
+StartOfDisks::StartOfDisks(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
+  std::uint64_t const count = count_of(settings);
+  if (count == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
+  plan_ = std::make_unique<Plan>(Plan{.box = box, .seed = seed, .kinds = Kinds(settings, count, seed)});
+  Kinds const& kinds = plan_->kinds;
+  double& radius = plan_->radius;
+  if (settings.start == StartKind::file) {
+    throw Error({.what = "disks.start = \"file\" needs a file",
+                 .hint = "give disks.file, an extended XYZ file",
+                 .key = "disks.start"});
   }
-  throw Error({.what = "disks.start = \"file\" needs a file",
-               .hint = "give disks.file, an extended XYZ file",
-               .key = "disks.start"});
+  radius = wanted_radius(settings, box, kinds);
+  if (settings.start == StartKind::random) {
+    plan_->site_of = [sites = random_sites(box, settings, kinds, radius, seed)](std::size_t i) { return sites[i]; };
+  } else if (settings.start == StartKind::uniform) {
+    plan_->site_of = uniform_sites(box, settings, kinds, radius, seed);
+  } else {
+    plan_->site_of = lattice_sites(box, settings, kinds, radius);
+  }
+}
+
+StartOfDisks::~StartOfDisks() = default;
+StartOfDisks::StartOfDisks(StartOfDisks&&) noexcept = default;
+
+std::uint64_t StartOfDisks::count() const { return plan_->kinds.count(); }
+
+DiskAtStart StartOfDisks::disk(std::uint64_t i) const {
+  return {
+      .site = plan_->site_of(i), .radius = plan_->radius * plan_->kinds.size_ratio(i), .mass = plan_->kinds.mass(i)};
+}
+
+State StartOfDisks::all() const {
+  State state{.box = plan_->box, .seed = plan_->seed};
+  state.agents.reserve(count());
+  for (std::uint64_t i = 0; i < count(); ++i) {
+    DiskAtStart const of_row = disk(i);
+    state.agents.add(of_row.site.x, of_row.site.y, 0.0, 0.0, of_row.radius, of_row.mass, 0, 0);
+  }
+  return state;
+}
+
+State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
+  return StartOfDisks(box, settings, seed).all();
 }
 
 double expected_attempts(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
@@ -368,11 +341,7 @@ struct DriftSums {
 
 }  // namespace
 
-void draw_velocities(State& state, VelocitySettings const& settings) {
-  draw_velocities(state, settings, ShareOfRows(state.agents.size()));
-}
-
-void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows const& share) {
+void draw_velocities(State& state, VelocitySettings const& settings, AllProcesses processes) {
   if (settings.kind == VelocityKind::file) {
     throw Error({.what = "velocities.kind = \"file\", but there is no file with velocities",
                  .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
@@ -398,9 +367,10 @@ void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows
     vx[i] = v.x;
     vy[i] = v.y;
   }
-  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && share.all() > 1;
+  bool const is_automatic =
+      settings.drift == Drift::automatic && state.box.is_periodic() && processes.sum(state.agents.size()) > 1;
   if (settings.drift != Drift::remove && !is_automatic) return;
-  auto const sums = share.add_in_order(DriftSums{}, [&](DriftSums& so_far) {
+  auto const sums = processes.change_in_order(DriftSums{}, [&](DriftSums& so_far) {
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       double const m = state.agents.column<Mass>()[i];
       so_far.mass += m;

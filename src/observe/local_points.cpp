@@ -9,7 +9,7 @@
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/observe/pairs.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
-#include "gridlock/parallel/detail/exchange.hpp"
+#include "parallel/exchange.hpp"
 
 namespace gridlock {
 

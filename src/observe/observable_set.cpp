@@ -49,7 +49,7 @@ void ObservableSet::serialize(Archive& archive) {
   }
 }
 
-void ObservableSet::migrate(Communicator& processes) {
+void ObservableSet::migrate(AllProcesses processes) {
   for (Entry const& entry : entries_) entry.observable->migrate(processes);
 }
 

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "observe/migrate.hpp"
-
 namespace gridlock {
 
 std::vector<ColumnInfo> VelocityAutocorrelation::columns() const {
@@ -116,7 +114,7 @@ void VelocityAutocorrelation::serialize(Archive& archive) {
   gridlock::serialize(archive, "over_origins", over_origins_);
 }
 
-void VelocityAutocorrelation::migrate(Communicator& processes) {
+void VelocityAutocorrelation::migrate(AllProcesses processes) {
   velocities_.migrate(processes);
   blocks_.reset();
 }

@@ -1,6 +1,9 @@
 #include "gridlock/parallel/detail/agreement.hpp"
 
-#include <optional>
+#include <fmt/format.h>
+
+#include <exception>
+#include <new>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,34 +16,82 @@ namespace gridlock {
 
 namespace {
 
-/// What is wrong, in a message; places in files are not known yet.
-Message message_of_problems(std::optional<Error> const& error) {
-  MessageWriter message;
-  if (!error) return message.take();
-  for (Problem const& problem : error->problems()) {
-    for (std::string const& text : {problem.what, problem.hint, problem.key}) message.add_text(text);
+enum class Ending : std::uint64_t { good, error, failure };
+
+/// How the work of a rank has ended, as a message to all.
+class EndOfWork {
+ public:
+  EndOfWork(Communicator const& ranks, std::function<void()> const& work) : rank_(ranks.rank()) {
+    try {
+      work();
+    } catch (Error const& error) {
+      note(Ending::error, error.problems());
+    } catch (RunFailure const& failure) {
+      note(Ending::failure, {{.what = failure.what()}});
+    } catch (std::bad_alloc const&) {
+      note(Ending::failure, {{.what = "not enough memory"}});
+    }
   }
-  return message.take();
-}
+
+  [[nodiscard]] std::exception_ptr const& thrown() const { return thrown_; }
+  [[nodiscard]] Message message() const {
+    MessageWriter message;
+    message.add(ending_);
+    for (Problem const& problem : problems_) {
+      for (std::string const* text : {&problem.what, &problem.hint, &problem.key, &problem.file, &problem.source_line})
+        message.add_text(*text);
+      message.add(problem.line);
+      message.add(problem.column);
+    }
+    return message.take();
+  }
+
+  /// Throws what another rank has thrown.
+  static void rethrow(Message const& bytes) {
+    MessageReader message(bytes);
+    auto const ending = message.next<Ending>();
+    std::vector<Problem> problems;
+    while (!message.is_at_end()) {
+      Problem& problem = problems.emplace_back();
+      for (std::string* text : {&problem.what, &problem.hint, &problem.key, &problem.file, &problem.source_line})
+        *text = message.next_text();
+      problem.line = message.next<int>();
+      problem.column = message.next<int>();
+    }
+    if (ending == Ending::error) throw Error(std::move(problems));
+    if (ending == Ending::failure) throw RunFailure(problems.front().what);
+  }
+
+ private:
+  void note(Ending ending, std::vector<Problem> problems) {
+    ending_ = ending;
+    problems_ = std::move(problems);
+    thrown_ = std::current_exception();
+    if (ending == Ending::failure && rank_ > 0)
+      problems_[0].what = fmt::format("rank {}: {}", rank_, problems_[0].what);
+  }
+
+  std::size_t rank_;
+  Ending ending_ = Ending::good;
+  std::vector<Problem> problems_;
+  std::exception_ptr thrown_;
+};
 
 }  // namespace
 
-void agree_on_errors(Communicator& ranks, std::function<void()> const& work) {
-  std::optional<Error> error;
-  try {
+void agree(Communicator& ranks, std::function<void()> const& work) {
+  if (ranks.count() == 1) {
     work();
-  } catch (Error const& refused) {
-    error = refused;
+    return;
   }
-  for (Message const& bytes : all_gather(ranks, message_of_problems(error))) {
-    MessageReader message(bytes);
-    std::vector<Problem> problems;
-    while (!message.is_at_end()) {
-      Problem problem;
-      for (std::string* text : {&problem.what, &problem.hint, &problem.key}) *text = message.next_text();
-      problems.push_back(std::move(problem));
-    }
-    if (!problems.empty()) throw Error(std::move(problems));
+  EndOfWork const own(ranks, work);
+  std::vector<Message> const all = all_gather(ranks, own.message());
+  ranks.note_agreement(false);
+  for (std::size_t rank = 0; rank < all.size(); ++rank) {
+    if (MessageReader(all[rank]).next<Ending>() == Ending::good) continue;
+    ranks.note_agreement(true);
+    if (rank == ranks.rank() && rank == 0) std::rethrow_exception(own.thrown());
+    EndOfWork::rethrow(all[rank]);
   }
 }
 
@@ -49,6 +100,16 @@ std::string first_text_of_all(Communicator& ranks, std::string const& text) {
     if (!bytes.empty()) return {reinterpret_cast<char const*>(bytes.data()), bytes.size()};
   }
   return {};
+}
+
+void do_or_abandon(Communicator& ranks, std::function<void()> const& work) {
+  try {
+    work();
+  } catch (std::bad_alloc const&) {
+    ranks.abandon("not enough memory");
+  } catch (std::exception const& error) {
+    ranks.abandon(error.what());
+  }
 }
 
 }  // namespace gridlock

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/agreement.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
@@ -18,6 +19,23 @@ void AllProcesses::sum(std::span<ExactSum> sums) const { all_sum(*communicator_,
 void AllProcesses::sum(std::span<std::uint64_t> counts) const { all_sum(*communicator_, counts); }
 
 double AllProcesses::min(double value) const { return all_min(*communicator_, value); }
+
+void AllProcesses::agree(std::function<void()> const& work) const { gridlock::agree(*communicator_, work); }
+
+void AllProcesses::on_root(std::function<void()> const& work) const {
+  agree([&] {
+    if (is_root()) work();
+  });
+}
+
+void AllProcesses::require_failure_of_all(char const* why) const {
+  if (count() > 1 && !communicator_->have_all_failed()) communicator_->abandon(why);
+}
+
+void AllProcesses::broadcast(std::span<std::byte> value) const {
+  if (count() == 1) return;
+  std::ranges::copy(gridlock::broadcast(*communicator_, Message(value.begin(), value.end())), value.begin());
+}
 
 void AllProcesses::take_turns(std::span<std::byte> value, std::function<void()> const& change) const {
   Communicator& ranks = *communicator_;

@@ -9,8 +9,8 @@
 
 #include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
-#include "gridlock/parallel/detail/exchange.hpp"
 #include "gridlock/parallel/detail/row_division.hpp"
+#include "parallel/exchange.hpp"
 #include "parallel/keys_at.hpp"
 
 namespace gridlock {

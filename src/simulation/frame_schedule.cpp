@@ -90,11 +90,10 @@ std::vector<std::size_t> chosen_columns(std::vector<std::string_view> const& nam
   return places;
 }
 
-std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, std::string const& columns) {
+std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::string const& columns) {
   std::vector<std::string_view> names;
-  for (FrameColumn const& column : frame->columns()) names.emplace_back(column.name);
-  std::vector<std::size_t> places = chosen_columns(names, columns);
-  return with_columns(std::move(frame), std::move(places));
+  for (FrameColumn const& column : frame.columns()) names.emplace_back(column.name);
+  return with_columns(frame, chosen_columns(names, columns));
 }
 
 FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_step)

@@ -17,7 +17,7 @@ namespace gridlock {
 std::vector<std::size_t> chosen_columns(std::vector<std::string_view> const& names, std::string const& columns);
 
 /// The frame with the columns asked for only, in its own order; the Ids always stay. Errors: those of chosen_columns().
-std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, std::string const& columns);
+std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::string const& columns);
 
 /// The steps after the start of a run at which frames are due; a function of the settings alone, so that a run that is
 /// resumed has the frames of one that was never interrupted.

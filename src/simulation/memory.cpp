@@ -80,12 +80,9 @@ double expected_memory(Configuration const& configuration, std::size_t agents) {
 
 void require_memory(Configuration const& configuration, AllProcesses processes) {
   std::vector<MemoryDemand> demands = configuration.kind().memory(configuration);
-  if (configuration.kind().is_divided_among_ranks(configuration)) {
-    Communicator const& communicator = processes.communicator();
-    double const share =
-        static_cast<double>(communicator.count_on_machine()) / static_cast<double>(communicator.count());
-    for (MemoryDemand& demand : demands) demand.bytes *= std::min(1.0, share);
-  }
+  Communicator const& communicator = processes.communicator();
+  double const share = static_cast<double>(communicator.count_on_machine()) / static_cast<double>(communicator.count());
+  for (MemoryDemand& demand : demands) demand.bytes *= std::min(1.0, share);
   demands.push_back(series_of(configuration));
   require_free(*std::ranges::max_element(demands, {}, &MemoryDemand::bytes));
 }

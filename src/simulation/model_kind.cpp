@@ -10,10 +10,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/parallel/communicator.hpp"
-#include "gridlock/simulation/detail/agents_of_rank.hpp"
 #include "gridlock/simulation/register_model.hpp"
-#include "simulation/divided_simulation.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/slow_start.hpp"
 
@@ -112,23 +109,6 @@ std::optional<Problem> AgentsKind::not_shared_by_ranks(Configuration const& conf
                  .key = "model.verify_every"};
 }
 
-bool AgentsKind::is_divided_among_ranks(Configuration const& configuration) const {
-  return can_be_divided_among_ranks() && !not_shared_by_ranks(configuration);
-}
-
-std::unique_ptr<AgentsOfRank> AgentsKind::make_agents(Communicator& /*ranks*/, Box const& /*box*/,
-                                                      std::uint64_t /*seed*/, std::uint64_t /*threads*/,
-                                                      std::vector<std::string>& /*notes*/) const {
-  throw RunFailure(fmt::format("the model {} cannot be divided among ranks", name()));
-}
-
-std::unique_ptr<AgentsOfRank> AgentsKind::agents_of_rank(Communicator& ranks,
-                                                         Configuration const& configuration) const {
-  // How many threads take the turns, the leader says with them.
-  std::vector<std::string> notes_for_leader;
-  return make_agents(ranks, make_box(configuration.box), configuration.run.seed, 1, notes_for_leader);
-}
-
 std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
   auto const agents = static_cast<double>(agents_at_start());
   return {{fmt::format("{:.0f} agents", agents), fmt::format("{}.count", name()),
@@ -148,19 +128,9 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
   double const attempts = may_be_slow ? attempts_at_start(box, seed) : 0.0;
   if (!makes_start(attempts, "model.kind", options, setup.notes)) return;
   std::vector<std::string> notes;
-  std::uint64_t const threads = options.processes.count() == 1
-                                    ? options.threads.value_or(configuration.engine.threads)
-                                    : threads_of(configuration, options.threads, options.processes);
-  if (options.processes.count() > 1 && is_divided_among_ranks(configuration)) {
-    Communicator& ranks = options.processes.communicator();
-    DividedSimulation::announce(ranks, configuration);
-    auto simulation = std::make_unique<DividedSimulation>(ranks, make_agents(ranks, box, seed, threads, notes));
-    simulation->observe(configuration.observe);
-    setup.simulation = std::move(simulation);
-  } else {
-    setup.simulation = make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every},
-                            configuration.observe, notes);
-  }
+  std::uint64_t const threads = threads_of(configuration, options.threads, options.processes);
+  setup.simulation = make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every},
+                          configuration.observe, notes, options.processes);
   for (std::string const& text : notes) {
     setup.notes.push_back({.kind = EventKind::note_of_model, .key = "model.kind", .values = {{"text", text}}});
   }

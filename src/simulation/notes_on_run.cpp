@@ -127,7 +127,9 @@ std::vector<Event> notes_on_motion(Simulation const& simulation, double time, st
   // Fewer collisions tell nothing.
   constexpr double min_hits_per_disk = 20.0;
   if (!(hits >= min_hits_per_disk * disks)) return notes;
-  std::optional<MeanDisk> const disk = mean_disk_of(*simulation.frame_source());
+  std::optional<MeanDisk> disk;
+  simulation.give_frame([&](FrameSource const& frame) { disk = mean_disk_of(frame); });
+  disk = simulation.processes().of_root(disk);
   if (!disk) return notes;
   double const flight = disk->speed * time * disks / hits / disk->diameter;
   constexpr double min_flight = 1e-6;

@@ -6,33 +6,32 @@
 #include <cstddef>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/vector.hpp"
+#include "parallel/disks_of_all.hpp"
 
 namespace gridlock {
 
-double patience_for(State const& state) {
-  return patience_for(state, overview_of(state.agents), [](auto const& add) {
-    SpeedSums sums;
-    add(sums);
-    return sums;
-  });
-}
-
-double patience_for(State const& some, DisksOverview const& all,
-                    std::function<SpeedSums(std::function<void(SpeedSums&)> const& add)> const& add_all) {
-  Disks const& own = some.agents;
+double patience_for(State const& own, AllProcesses processes) {
+  /// Added row after row of all processes: Σ v, and Σ (v − mean)².
+  struct Sums {
+    Vector velocity;
+    double squares = 0.0;
+  };
+  Disks const& agents = own.agents;
+  DisksOverview const all = overview_of_all(agents, processes);
   auto const disks = static_cast<double>(all.count);
   Vector mean{};
-  if (some.box.is_periodic()) {
-    SpeedSums const sums = add_all([&](SpeedSums& so_far) {
-      for (std::size_t i = 0; i < own.size(); ++i) so_far.velocity = so_far.velocity + velocity(own, i);
+  if (own.box.is_periodic()) {
+    Sums const sums = processes.change_in_order(Sums{}, [&](Sums& so_far) {
+      for (std::size_t i = 0; i < agents.size(); ++i) so_far.velocity = so_far.velocity + velocity(agents, i);
     });
     mean = (1.0 / disks) * sums.velocity;
   }
-  SpeedSums const sums = add_all([&](SpeedSums& so_far) {
-    for (std::size_t i = 0; i < own.size(); ++i) so_far.squares += squared_length(velocity(own, i) - mean);
+  Sums const sums = processes.change_in_order(Sums{}, [&](Sums& so_far) {
+    for (std::size_t i = 0; i < agents.size(); ++i) so_far.squares += squared_length(velocity(agents, i) - mean);
   });
   double const speed = std::sqrt(sums.squares / disks);
-  double const mean_free_time = some.box.area() / (disks * 2.0 * all.radii.smallest * speed);
+  double const mean_free_time = own.box.area() / (disks * 2.0 * all.radii.smallest * speed);
   return (1e4 + 4e6 / (disks * disks)) * mean_free_time;
 }
 
@@ -48,7 +47,8 @@ void PatientEngine::advance(State& state, Counters& counters, StopCondition cons
     return is_patient && !stop_condition.stops_here();
   };
   engine_->advance(state, counters, watched);
-  if (is_patient) return;
+  // The root alone was asked.
+  if (processes_.of_root(is_patient)) return;
   throw RunFailure(
       fmt::format("no two disks have met for a time of {:.6g}, in which disks that move at random meet again "
                   "and again: these never will, and collisions alone end this run\n"

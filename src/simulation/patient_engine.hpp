@@ -1,14 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/disks_overview.hpp"
-#include "gridlock/core/vector.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock {
@@ -19,24 +16,16 @@ namespace gridlock {
 /// t = A / (N σ v). Ten thousand times that is far beyond chance for many disks and a million times for two, which pass
 /// each other now and then for long; yet it is soon over in a computer. Velocities count from their mean in a periodic
 /// box, where disks that all move alike never meet.
-double patience_for(State const& state);
-
-/// Σ v, and Σ (v − mean)².
-struct SpeedSums {
-  Vector velocity;
-  double squares = 0.0;
-};
-/// The same of some of all disks. `add_all(add)` has add(sums) add what each process has, row after row of all.
-double patience_for(State const& some, DisksOverview const& all,
-                    std::function<SpeedSums(std::function<void(SpeedSums&)> const& add)> const& add_all);
+/// `own` are the disks of this process, of all that share them.
+double patience_for(State const& own, AllProcesses processes = {});
 
 /// An engine for runs that only collisions can end: it gives up where none come.
 ///
 /// How long it has waited is not serialized: a run that is resumed waits anew, and only one that fails depends on it.
 class PatientEngine final : public EngineFor<HardDisks> {
  public:
-  PatientEngine(std::unique_ptr<EngineFor<HardDisks>> engine, double patience)
-      : engine_(std::move(engine)), patience_(patience) {}
+  PatientEngine(std::unique_ptr<EngineFor<HardDisks>> engine, double patience, AllProcesses processes = {})
+      : engine_(std::move(engine)), patience_(patience), processes_(processes) {}
 
   /// Errors: RunFailure also where no collision comes for that long.
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
@@ -46,11 +35,13 @@ class PatientEngine final : public EngineFor<HardDisks> {
     return engine_->counts(state, counters);
   }
   [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
+  bool take_restored(State& state) override { return engine_->take_restored(state); }
   void serialize(Archive& archive, State const& state) override { engine_->serialize(archive, state); }
 
  private:
   std::unique_ptr<EngineFor<HardDisks>> engine_;
   double patience_;
+  AllProcesses processes_;
   std::optional<double> last_collision_;  ///< when one was last seen
   std::uint64_t collisions_seen_ = 0;
 };

@@ -455,8 +455,8 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
   return distributions;
 }
 
-std::unique_ptr<FrameSource> ProtocolSimulation::frame_source() const {
-  return is_prepared_ ? simulation_->frame_source() : frame_source_of(state_);
+void ProtocolSimulation::give_frame(UseFrame const& use) const {
+  is_prepared_ ? simulation_->give_frame(use) : use(*frame_source_of(state_));
 }
 
 std::optional<FrameContacts> ProtocolSimulation::contacts() const {

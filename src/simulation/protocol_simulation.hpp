@@ -53,7 +53,7 @@ class ProtocolSimulation final : public Simulation {
   void sample(std::span<double> row, bool counts_for_average) override { simulation_->sample(row, counts_for_average); }
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
   [[nodiscard]] std::vector<Distribution> distributions() const override;
-  [[nodiscard]] std::unique_ptr<FrameSource> frame_source() const override;
+  void give_frame(UseFrame const& use) const override;
   [[nodiscard]] std::optional<FrameContacts> contacts() const override;
   void serialize(Archive& archive) override;
 

@@ -46,8 +46,10 @@ Run::Run(Simulation& simulation, RunPlan const& plan)
       rate_limiter_(plan.seconds_per_look),
       first_(simulation.clock()),
       columns_(clock_columns()) {
-  if (std::isfinite(plan_.stop_condition.time))
-    require_countable_end(plan_.stop_condition.time, simulation_.time_step());
+  double const duration = simulation_.time_step();
+  simulation_.processes().agree([&] {
+    if (std::isfinite(plan_.stop_condition.time)) require_countable_end(plan_.stop_condition.time, duration);
+  });
   std::ranges::move(simulation_.columns(), std::back_inserter(columns_));
   series_.add_column(columns_.front().name, std::vector<std::uint64_t>{});
   for (std::size_t k = 1; k < columns_.size(); ++k) series_.add_column(columns_[k].name, std::vector<double>{});
@@ -138,10 +140,22 @@ bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callb
     throw RunFailure(fmt::format("step {}: the time is beyond all numbers, with a time step of {}",
                                  simulation_.clock().step, simulation_.time_step()));
   }
-  if (failure_of_listener) std::rethrow_exception(failure_of_listener);
-  if (is_callback_due()) callback.call(steps_done());
-  if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);
-  return !is_stopped;
+  // The root alone knows the time and the user.
+  struct Look {
+    bool is_callback_due = false;
+    bool is_stopped = false;
+  } look;
+  AllProcesses const processes = simulation_.processes();
+  processes.on_root([&] {
+    if (failure_of_listener) std::rethrow_exception(failure_of_listener);
+    look.is_callback_due = is_callback_due();
+  });
+  look = processes.of_root(look);
+  if (look.is_callback_due) callback.call(steps_done());
+  processes.on_root([&] {
+    if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);
+  });
+  return !processes.of_root(is_stopped);
 }
 
 void Run::note_time() {

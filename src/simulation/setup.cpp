@@ -11,6 +11,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/check.hpp"
+#include "simulation/settings_message.hpp"
 #include "simulation/slow_start.hpp"
 
 namespace gridlock {
@@ -31,7 +32,9 @@ bool makes_start(double attempts, std::string const& key, SetupOptions const& op
 }
 
 Setup set_up(SettingsFile const& file, SetupOptions const& options) {
-  Configuration configuration = read_configuration(file);
+  Configuration configuration;
+  options.processes.on_root([&] { configuration = read_configuration(file); });
+  broadcast_settings(options.processes, describing(configuration));
   try {
     SetupOptions known = options;
     // A file named on the command line is relative to the working directory, one named in the TOML file to that file.
@@ -46,19 +49,21 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
 }
 
 Setup set_up(Configuration configuration, SetupOptions const& options) {
-  check(configuration, options.is_given, options.processes);
+  options.processes.agree([&] {
+    check(configuration, options.is_given, options.processes);
+    require_use_of_ranks(configuration, options.processes.count());
+  });
   Setup setup;
   setup.notes = unused_settings(configuration, options.is_given);
   setup.configuration = std::move(configuration);
   // The model of the run is decided: the settings of others would only fill its resolved configuration.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
-  require_use_of_ranks(setup.configuration, options.processes.count());
   RunSettings& run = setup.configuration.run;
   if (!run.steps && !run.time && !run.collisions_per_disk) {
     run.steps = setup.configuration.protocol.empty() ? default_steps : 0;
   }
   setup.configuration.kind().build(setup, options);
-  check_end(setup);
+  options.processes.agree([&] { check_end(setup); });
   std::ranges::move(frames_beyond_end(setup), std::back_inserter(setup.notes));
   return setup;
 }

@@ -12,10 +12,9 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/parallel/detail/agreement.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
-#include "gridlock/parallel/detail/exchange.hpp"
-#include "gridlock/parallel/detail/tasks.hpp"
+#include "parallel/disks_of_all.hpp"
+#include "parallel/exchange.hpp"
 #include "parallel/sort_among_ranks.hpp"
-#include "simulation/disk_rows.hpp"
 
 namespace gridlock {
 
@@ -24,7 +23,7 @@ namespace {
 /// Rows in one message.
 constexpr std::size_t rows_of_piece = std::size_t{1} << 15;
 
-/// What the ranks are told of a file before its rows.
+/// The head of a file.
 struct FileHead {
   double width, height;
   std::uint64_t is_periodic;
@@ -49,7 +48,7 @@ FileHead head_of(xyz::Reader const& reader) {
 }
 
 /// The first number of a message with rows.
-enum class PieceOfFile : std::uint64_t { rows, end, refused };
+enum class PieceOfFile : std::uint64_t { rows, end };
 
 /// What a rank says of the order of its Ids.
 struct OrderOfRows {
@@ -79,25 +78,23 @@ class PartOfStart {
     disks_.reserve(std::min(rows_.rows_of(ranks.rank()), head.likely_count));
   }
 
-  /// The leader reads all rows and hands them out as they come. Returns true: all have come. Errors: Error.
-  bool hand_out(xyz::Reader& reader, DisksSettings const& settings) {
+  /// The root reads all rows and hands them out as they come. Errors: Error.
+  void hand_out(xyz::Reader& reader, DisksSettings const& settings) {
     try {
       hand_out_rows(reader, radius_without_column(settings, reader.box(), reader.count()));
     } catch (...) {
-      send_to_others(ranks_, message_of(PieceOfFile::refused));
+      end();
       throw;
     }
-    send_to_others(ranks_, message_of(PieceOfFile::end));
-    return true;
+    end();
   }
 
-  /// Whether all have come.
-  bool receive() {
+  /// Takes the rows of this rank, until all have come or the root refuses the file.
+  void receive() {
     while (true) {
       Message const bytes = ranks_.receive(0);
       MessageReader message(bytes);
-      auto const piece = message.next<PieceOfFile>();
-      if (piece != PieceOfFile::rows) return piece == PieceOfFile::end;
+      if (message.next<PieceOfFile>() == PieceOfFile::end) return;
       std::vector<DiskRow> const rows = message.rest<DiskRow>();
       disks_.insert(disks_.end(), rows.begin(), rows.end());
     }
@@ -113,11 +110,8 @@ class PartOfStart {
 
   RowsOfFile finish() {
     Box const box(head_.width, head_.height, head_.is_periodic != 0 ? Edge::periodic : Edge::wall);
-    RowsOfFile file{.rows = rows_, .own = {.box = box, .agents = {}, .clock = head_.clock}};
+    RowsOfFile file{.own = {.box = box, .agents = disks_of(disks_), .clock = head_.clock}};
     file.has_velocities = head_.has_velocities != 0;
-    ComingRows own(disks_.size());
-    for (DiskRow const& disk : disks_) own.add(disk);
-    own.become(file.own.agents);
     disks_ = std::vector<DiskRow>();
     return file;
   }
@@ -147,6 +141,9 @@ class PartOfStart {
   }
 
  private:
+  void end() {
+    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, message_of(PieceOfFile::end));
+  }
   void hand_out_rows(xyz::Reader& reader, double other_radius) {
     xyz::Rows piece;
     std::vector<DiskRow> leaving;
@@ -233,18 +230,20 @@ class PartOfStart {
 
 }  // namespace
 
-RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const* file) {
+RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const& file) {
+  bool const is_root = ranks.rank() == 0;
   Message head;
-  if (file != nullptr) head = message_of(head_of(file->reader));
+  if (is_root) head = message_of(head_of(*file.reader));
   PartOfStart part(ranks, MessageReader(broadcast(ranks, std::move(head))).next<FileHead>(), AskedRadii(settings));
-  bool const is_whole = file != nullptr ? part.hand_out(file->reader, settings) : part.receive();
-  auto const wrong = is_whole ? part.sort() : std::nullopt;
-  if (wrong && file != nullptr) file->reader.refuse(*wrong);
-  if (!is_whole || wrong) throw Error(Problem{.what = "the leader refuses the start file"});
+  agree(ranks, [&] { is_root ? part.hand_out(*file.reader, settings) : part.receive(); });
+  auto const wrong = part.sort();
+  agree(ranks, [&] {
+    if (wrong && is_root) file.reader->refuse(*wrong);
+  });
   RowsOfFile rows = part.finish();
   StartFileSummary const summary = part.summary(rows.own);
-  agree_on_errors(ranks, [&] {
-    if (file != nullptr) file->take_summary(summary);
+  agree(ranks, [&] {
+    if (is_root) file.take_summary(summary);
   });
   return rows;
 }

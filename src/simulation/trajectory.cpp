@@ -40,6 +40,10 @@ void TrajectoryWriter::open(Simulation const& simulation, FrameSource const& fra
 }
 
 void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until) {
+  simulation.give_frame([&](FrameSource const& frame) { restore(frame, first_step, written_until); });
+}
+
+void TrajectoryWriter::restore(FrameSource const& frame, std::uint64_t first_step, std::uint64_t written_until) {
   auto const refuse = [&](std::string const& what) {
     throw Error({.what = what,
                  .hint = "put the whole file back, or run config.resolved.toml again in another directory",
@@ -59,7 +63,7 @@ void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first
       throw Error({.what = fmt::format("{} is of another run: {}", origin_.file.string(),
                                        to_text(*difference, "the trajectory", "config.resolved.toml"))});
     }
-    writer_ = format_.append(origin_.file, *with_columns(simulation.frame_source(), settings_.columns));
+    writer_ = format_.append(origin_.file, *with_columns(frame, settings_.columns));
   } catch (Error const& error) {
     refuse(error.problems().front().what);
   }
@@ -72,10 +76,15 @@ void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first
 }
 
 void TrajectoryWriter::write(Simulation const& simulation, std::span<double const> sample) {
-  Clock const clock = simulation.clock();
   std::uint64_t const state_hash = simulation.state_hash();
-  std::unique_ptr<FrameSource> const frame = with_columns(simulation.frame_source(), settings_.columns);
-  if (!writer_) open(simulation, *frame);
+  simulation.give_frame(
+      [&](FrameSource const& all) { write(simulation, *with_columns(all, settings_.columns), state_hash, sample); });
+}
+
+void TrajectoryWriter::write(Simulation const& simulation, FrameSource const& frame, std::uint64_t state_hash,
+                             std::span<double const> sample) {
+  Clock const clock = frame.clock();
+  if (!writer_) open(simulation, frame);
   if (auto const last = writer_->last_step(); last && *last >= clock.step) {
     if (writer_->state_hash_at(clock.step) == state_hash) return;
     throw RunFailure(fmt::format("{} holds another run: its frames do not have the state of step {}",
@@ -83,7 +92,7 @@ void TrajectoryWriter::write(Simulation const& simulation, std::span<double cons
   }
   std::vector<double> observables(sample.begin(), sample.end());
   if (observables.empty()) observables.assign(simulation.columns().size(), no_value);
-  writer_->write(*frame, observables, state_hash);
+  writer_->write(frame, observables, state_hash);
 }
 
 }  // namespace gridlock

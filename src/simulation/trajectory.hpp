@@ -45,7 +45,10 @@ class TrajectoryWriter final : public Writer {
   void serialize(Archive&) override {}
 
  private:
+  void restore(FrameSource const& frame, std::uint64_t first_step, std::uint64_t written_until);
   void open(Simulation const& simulation, FrameSource const& frame);
+  void write(Simulation const& simulation, FrameSource const& frame, std::uint64_t state_hash,
+             std::span<double const> sample);
 
   TrajectorySettings settings_;
   FrameSchedule schedule_;

@@ -1,7 +1,6 @@
 #include "gridlock/workspace/run_directory.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
@@ -16,11 +15,11 @@
 #include "gridlock/parallel/communicator.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
-#include "simulation/divided_simulation.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
 #include "simulation/trajectory.hpp"
 #include "workspace/checkpoint_clock.hpp"
+#include "workspace/continued_run.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/run_files.hpp"
 #include "workspace/run_log.hpp"
@@ -31,7 +30,6 @@ namespace gridlock {
 
 namespace {
 
-constexpr char const* configuration_name = "config.resolved.toml";
 constexpr char const* trajectory_name = "trajectory.h5";
 constexpr char const* begun_trajectory_name = "trajectory.h5.part";
 
@@ -44,19 +42,19 @@ std::optional<Event> audit_event(Simulation const& simulation) {
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
-/// A run at home in its directory.
+/// A run at home in its directory, which the root of the processes that share it keeps.
 class RunInDirectory {
  public:
   RunInDirectory(std::filesystem::path directory, Setup setup, std::string configuration, RunHooks const& hooks)
       : directory_(std::move(directory)),
         setup_(std::move(setup)),
+        processes_(setup_.simulation->processes()),
         start_hash_(setup_.simulation->state_hash()),
         hooks_(hooks),
-        log_(directory_, hooks.on_event),
+        log_(directory_, hooks.on_event, processes_),
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
         simulation_(*setup_.simulation),
-        divided_(dynamic_cast<DividedSimulation*>(setup_.simulation.get())),
         run_(simulation_, plan_) {
     TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
@@ -69,13 +67,17 @@ class RunInDirectory {
   }
 
   void begin() {
-    remove_results(directory_);
-    for (char const* name : {"run.log", configuration_name, "start.xyz", "checkpoint.gridlock",
-                             "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
-      record_result(directory_ / name);
+    processes_.on_root([&] {
+      remove_results(directory_);
+      for (char const* name : {"run.log", configuration_name, "start.xyz", "checkpoint.gridlock",
+                               "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
+        record_result(directory_ / name);
+      }
+    });
+    if (!setup_.start_file.empty()) {
+      simulation_.give_frame([&](FrameSource const& frame) { write_xyz(frame, directory_ / "start.xyz"); });
     }
-    if (!setup_.start_file.empty()) write_xyz(*simulation_.frame_source(), directory_ / "start.xyz");
-    write_file(directory_ / configuration_name, configuration_);
+    processes_.on_root([&] { write_file(directory_ / configuration_name, configuration_); });
     for (Event const& note : setup_.notes) {
       if (!note.is_default) log_.write(note);
     }
@@ -95,12 +97,14 @@ class RunInDirectory {
   /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
   void restore(std::function<void()> const& require) {
     std::uint64_t const first_step = simulation_.clock().step;
-    SerializeAll const all = [&](Archive& archive) { serialize(archive); };
-    auto const restored =
-        divided_ != nullptr ? divided_->restore(directory_, all) : restore_checkpoint(directory_, all);
-    require();
-    std::error_code ignored;
-    std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
+    auto const restored = restore_checkpoint_of_all(
+        directory_, [&](Archive& archive) { serialize(archive); }, processes_);
+    if (restored) simulation_.take_restored();
+    processes_.agree(require);
+    processes_.on_root([&] {
+      std::error_code ignored;
+      std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
+    });
     if (!restored) {
       log_.write({.kind = EventKind::began_again, .severity = Severity::info});
       return;
@@ -148,10 +152,12 @@ class RunInDirectory {
   /// From here on the directory holds a run of another length that is not finished.
   void record_length(std::string configuration, std::string const& length) {
     configuration_ = std::move(configuration);
-    std::error_code ignored;
-    // Without a summary the run is one that was interrupted, whichever of the two lengths a kill leaves it.
-    std::filesystem::remove(directory_ / summary_name, ignored);
-    write_file(directory_ / configuration_name, configuration_);
+    processes_.on_root([&] {
+      std::error_code ignored;
+      // Without a summary the run is one that was interrupted, whichever of the two lengths a kill leaves it.
+      std::filesystem::remove(directory_ / summary_name, ignored);
+      write_file(directory_ / configuration_name, configuration_);
+    });
     log_.write({.kind = EventKind::lengthened,
                 .severity = Severity::info,
                 .step = simulation_.clock().step,
@@ -175,8 +181,10 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_run_results(directory_, versions_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
-                        hooks_.processes.communicator().traffic_of_ranks());
+      simulation_.give_frame([&](FrameSource const& frame) {
+        write_run_results(directory_, versions_, setup_.configuration, start_hash_, record, frame,
+                          processes_.communicator().traffic_of_ranks());
+      });
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
@@ -185,11 +193,13 @@ class RunInDirectory {
       // A file has come into the way while the run went on. It is no mistake of the input, and the checkpoint stays.
       throw RunFailure(error.problems().front().what);
     }
-    if (status == RunStatus::finished) {
-      setup_.configuration.checkpoint.keep_last ? remove_previous_checkpoint(directory_)
-                                                : remove_checkpoints(directory_);
-    }
-    remove_leftovers(directory_);
+    processes_.on_root([&] {
+      if (status == RunStatus::finished) {
+        setup_.configuration.checkpoint.keep_last ? remove_previous_checkpoint(directory_)
+                                                  : remove_checkpoints(directory_);
+      }
+      remove_leftovers(directory_);
+    });
     for (Event const& note : record.notes) log_.write(note);
     if (auto const audits = audit_event(simulation_)) log_.write(*audits);
     log_traffic();
@@ -240,13 +250,13 @@ class RunInDirectory {
     Event event{.kind = EventKind::threads_chosen,
                 .severity = Severity::info,
                 .step = simulation_.clock().step,
-                .values = {{"threads", threads_of(setup_.configuration, hooks_.threads, hooks_.processes)}}};
-    if (hooks_.processes.count() > 1) event.values.emplace_back("ranks", std::uint64_t{hooks_.processes.count()});
+                .values = {{"threads", threads_of(setup_.configuration, hooks_.threads, processes_)}}};
+    if (processes_.count() > 1) event.values.emplace_back("ranks", std::uint64_t{processes_.count()});
     return event;
   }
 
   void log_traffic() {
-    std::vector<Traffic> const ranks = hooks_.processes.communicator().traffic_of_ranks();
+    std::vector<Traffic> const ranks = processes_.communicator().traffic_of_ranks();
     for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
       log_.write({.kind = EventKind::traffic_counted,
                   .severity = Severity::info,
@@ -264,16 +274,15 @@ class RunInDirectory {
     if (saved_at_ == clock && saved_work_ == work) return;
     auto const warn = [&](std::string const& why) {
       // A disk that is full needs the room of its parts.
-      remove_unneeded_parts(directory_);
+      processes_.on_root([&] { remove_unneeded_parts(directory_); });
       log_.write({.kind = EventKind::checkpoint_failed,
                   .severity = Severity::warning,
                   .step = clock.step,
                   .values = {{"why", why}}});
     };
     try {
-      SerializeAll const all = [&](Archive& archive) { serialize(archive); };
-      write_checkpoint(directory_, all,
-                       divided_ != nullptr ? divided_->write_parts(directory_, all) : std::vector<CheckpointPart>());
+      write_checkpoint_of_all(
+          directory_, [&](Archive& archive) { serialize(archive); }, processes_);
       saved_at_ = clock;
       saved_work_ = work;
       log_.write({.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = clock.step});
@@ -289,14 +298,14 @@ class RunInDirectory {
 
   std::filesystem::path directory_;
   Setup setup_;
+  AllProcesses processes_;
   std::uint64_t start_hash_;
   RunHooks const& hooks_;
   RunLog log_;
   std::string configuration_;
   std::string versions_ = version();  ///< that have carried the run out, one after the other
   RunPlan plan_;
-  Simulation& simulation_;      ///< of the set-up
-  DividedSimulation* divided_;  ///< the same, where ranks divide its agents
+  Simulation& simulation_;  ///< of the set-up
   Run run_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
@@ -311,85 +320,26 @@ std::string resolved(Configuration configuration, bool starts_from_file) {
   return to_toml(describing(configuration));
 }
 
-std::string length_text(RunLength const& length) {
-  std::vector<std::string> parts;
-  if (length.steps) parts.push_back(fmt::format("{} steps", *length.steps));
-  if (length.time) parts.push_back(fmt::format("time {}", *length.time));
-  if (length.collisions_per_disk) parts.push_back(fmt::format("{} collisions per disk", *length.collisions_per_disk));
-  return fmt::format("{}", fmt::join(parts, " or "));
-}
-
-/// Refuses a length below one of the same kind that the run has: its frames and samples may lie beyond already.
-void require_longer(RunSettings const& old, RunLength const& length, std::filesystem::path const& directory) {
-  RunLength const had{.steps = old.steps, .time = old.time, .collisions_per_disk = old.collisions_per_disk};
-  bool const is_shorter =
-      (length.steps && had.steps && *length.steps < *had.steps) ||
-      (length.time && had.time && *length.time < *had.time) ||
-      (length.collisions_per_disk && had.collisions_per_disk && *length.collisions_per_disk < *had.collisions_per_disk);
-  if (!is_shorter) return;
-  throw Error({.what = fmt::format("the run in {} has a length of {} already, which {} is below", directory.string(),
-                                   length_text(had), length_text(length)),
-               .hint = "give the whole length, counted from the start of the run",
-               .file = directory.string()});
-}
-
-void set_length(SettingsFile& file, RunLength const& length) {
-  auto const set = [&](char const* key, char const* option, auto const& value) {
-    file.leave_out(key);
-    if (!value) return;
-    std::string const text = fmt::format("{}", *value);
-    file.set(key, text, {.file = option, .source_line = text});
-  };
-  set("run.steps", "--steps", length.steps);
-  set("run.time", "--time", length.time);
-  set("run.collisions_per_disk", "--collisions-per-disk", length.collisions_per_disk);
-}
-
-[[noreturn]] void refuse_finished(std::filesystem::path const& directory) {
-  if (has_checkpoint(directory)) {
-    throw Error({.what = fmt::format("the run in {} is finished", directory.string()),
-                 .hint = fmt::format("gridlock resume {} --steps N lengthens it to N steps from its start",
-                                     directory.string())});
-  }
-  throw Error(
-      {.what = fmt::format("the run in {} is finished and kept no checkpoint to continue from", directory.string()),
-       .hint = fmt::format("run {} in another directory with a longer run.steps",
-                           (directory / configuration_name).string())});
-}
-
-bool are_same(RunSettings const& old, RunLength const& length) {
-  return old.steps == length.steps && old.time == length.time && old.collisions_per_disk == length.collisions_per_disk;
-}
-
 RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunLength> length, RunHooks const& hooks) {
-  std::filesystem::path const path = directory / configuration_name;
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    throw Error({.what = fmt::format("{} holds no run: there is no {}", directory.string(), configuration_name),
-                 .hint = "name the directory of a run, or start one with gridlock run"});
-  }
-  require_regular_file(path);
-  DirectoryLock const lock(directory);
-  remove_leftovers(directory);
-  auto const summary = read_summary(directory);
-  bool const is_finished = summary && summary->status == RunStatus::finished;
-  if (is_finished && (!length || !has_checkpoint(directory))) refuse_finished(directory);
-  SettingsFile file = SettingsFile::from_path(path);
-  if (length) {
-    Configuration const old = read_configuration(file);
-    require_longer(old.run, *length, directory);
-    // As after a kill in the middle of lengthening to it.
-    if (!is_finished && are_same(old.run, *length)) length.reset();
-  }
-  if (length) set_length(file, *length);
-  Setup setup = set_up(file, {.threads = hooks.threads, .processes = hooks.processes});
+  AllProcesses const processes = hooks.processes;
+  std::optional<DirectoryLock> lock;
+  SettingsFile file;
+  processes.on_root([&] {
+    require_run(directory);
+    lock.emplace(directory);
+    file = settings_to_continue(directory, length);
+  });
+  length = processes.of_root(length);
+  Setup setup = set_up(file, {.threads = hooks.threads, .processes = processes});
   Configuration configuration = setup.configuration;
   bool const starts_from_file = !setup.start_file.empty();
-  std::vector<std::filesystem::path> files = run_files(directory, configuration);
-  adopt_results(directory, files);
-  // Restoring looks at checkpoints itself, and says what else there is to continue from.
-  std::erase_if(files, [](std::filesystem::path const& result) { return result.extension() == ".gridlock"; });
-  protect_files({.results = files, .inputs = {}, .maker = "", .hint = "move what is in the way, and resume again"});
+  processes.on_root([&] {
+    std::vector<std::filesystem::path> files = run_files(directory, configuration);
+    adopt_results(directory, files);
+    // Restoring looks at checkpoints itself, and says what else there is to continue from.
+    std::erase_if(files, [](std::filesystem::path const& result) { return result.extension() == ".gridlock"; });
+    protect_files({.results = files, .inputs = {}, .maker = "", .hint = "move what is in the way, and resume again"});
+  });
   RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);
   run.restore([&] {
     if (length) run.require_below_length();
@@ -408,12 +358,15 @@ std::string resolved_configuration(Setup const& setup) {
 }
 
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks) {
-  protect_files({.results = run_files(directory, setup.configuration),
-                 .inputs = {setup.start_file},
-                 .maker = "",
-                 .hint = hint_of_directories});
-  make_output_directory(directory);
-  DirectoryLock const lock(directory);
+  std::optional<DirectoryLock> lock;
+  setup.simulation->processes().on_root([&] {
+    protect_files({.results = run_files(directory, setup.configuration),
+                   .inputs = {setup.start_file},
+                   .maker = "",
+                   .hint = hint_of_directories});
+    make_output_directory(directory);
+    lock.emplace(directory);
+  });
   std::string configuration = resolved_configuration(setup);
   RunInDirectory run(directory, std::move(setup), std::move(configuration), hooks);
   run.begin();

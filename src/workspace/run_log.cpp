@@ -11,10 +11,12 @@
 
 namespace gridlock {
 
-RunLog::RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event)
-    : path_(directory / "run.log"), on_event_(std::move(on_event)) {}
+RunLog::RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event,
+               AllProcesses processes)
+    : processes_(processes), path_(directory / "run.log"), on_event_(std::move(on_event)) {}
 
 void RunLog::write(Event const& event) {
+  if (!processes_.is_root()) return;
   if (!file_.is_open()) {
     // A pipe would wait for its reader.
     std::error_code ignored;

@@ -13,12 +13,13 @@ namespace gridlock {
 /// A log that cannot be written does not end the run.
 class RunLog {
  public:
-  /// The file is opened at the first line.
-  RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event);
+  /// The file is opened at the first line. The root of the processes that share the run writes it.
+  RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event, AllProcesses processes);
 
   void write(Event const& event);
 
  private:
+  AllProcesses processes_;
   std::filesystem::path path_;
   std::ofstream file_;
   std::function<void(Event const&)> on_event_;

@@ -51,12 +51,12 @@ class SweepCrew {
   /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure; Error, in all processes,
   /// for another plan.
   virtual void meet(std::uint64_t plan_hash, std::string const& failure) = 0;
-  /// Lets those go that help with the runs of this process; nobody waits for it any more.
+  /// Nobody waits for this process any more.
   virtual void part() = 0;
   /// For the leader: every run is made by some process, and all of them are let go.
   virtual void lead(CrewLead const& lead) = 0;
-  /// For the others: makes the runs that the leader hands out, or helps with those of another, until that one lets this
-  /// process go.
+  /// For the others: makes the runs that the leader hands out, and takes part in those that this process shares, until
+  /// there are no more.
   virtual void help(MakeRun const& make) = 0;
 };
 

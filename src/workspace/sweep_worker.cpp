@@ -33,24 +33,41 @@ double number_in(Json const& json) { return std::bit_cast<double>(json.get<std::
 
 std::optional<SweepOutcome> SweepWorker::make(std::size_t run, Prospect const& prospect,
                                               std::function<bool(double)> const& report) const {
+  AllProcesses const processes = settings_.crew == nullptr ? AllProcesses() : settings_.crew->processes();
   RunHooks const hooks{.on_progress = [&](Progress const& progress) { return report(progress.fraction); },
                        .on_event = {},
                        .threads = prospect.threads,
-                       .processes = settings_.crew == nullptr ? AllProcesses() : settings_.crew->processes()};
+                       .processes = processes};
+  auto const directory = directory_.directory_of(run);
+  enum class Way : std::uint64_t { is_made, is_stopped, resumes, begins };
   try {
-    // Others that share the directory may have been faster.
-    if (auto const summary = directory_.recorded(run); summary && is_finished(outcome_of(*summary))) {
-      return outcome_of(*summary);
-    }
+    std::optional<RunSummary> made;
+    auto const way = [&] {
+      // Others that share the directory may have been faster.
+      made = directory_.recorded(run);
+      if (made && is_finished(outcome_of(*made))) return Way::is_made;
+      if (!report(0.0)) return Way::is_stopped;
+      return directory_.is_there(run) ? Way::resumes : Way::begins;
+    };
     MemoryBudget::Part const memory(memory_, prospect.bytes);
-    if (!report(0.0)) return std::nullopt;
-    if (directory_.is_there(run)) return outcome_of_record(resume_in(directory_.directory_of(run), hooks));
+    Way chosen = Way::is_stopped;
+    processes.on_root([&] { chosen = way(); });
+    switch (processes.of_root(chosen)) {
+      case Way::is_made:
+        return made ? std::optional(outcome_of(*made)) : std::nullopt;
+      case Way::is_stopped:
+        return std::nullopt;
+      case Way::resumes:
+        return outcome_of_record(resume_in(directory, hooks));
+      case Way::begins:
+        break;
+    }
     SettingsFile settings = plan_.runs[run].settings;
     // The record says what is used.
     if (prospect.takes_threads) settings.set(fmt::format("engine.threads={}", prospect.threads));
-    return outcome_of_record(
-        run_in(directory_.directory_of(run), set_up(settings, {.processes = hooks.processes}), hooks));
+    return outcome_of_record(run_in(directory, set_up(settings, {.processes = processes}), hooks));
   } catch (std::exception const& error) {
+    processes.require_failure_of_all(error.what());
     return SweepOutcome{.has_begun = true,
                         .status = RunStatus::failed,
                         .message = reason_of(error),

@@ -76,13 +76,9 @@ TEST(Measures, FewFilesAreLong) {
                                                  {"include/gridlock/model/detail/share.hpp", 485},
                                                  {"include/gridlock/model/detail/tiled_share.hpp", 536},
                                                  {"src/engine/batched_moves.cpp", 691},
-                                                 {"src/engine/tiled/on_ranks.cpp", 478},
                                                  {"src/engine/tiled/share.cpp", 540},
-                                                 {"src/io/checkpoint.cpp", 499},
                                                  {"src/io/h5md_writer.cpp", 543},
-                                                 {"src/lattice/insertion_on_ranks.cpp", 654},
                                                  {"src/packing/minimizer.cpp", 454},
-                                                 {"src/simulation/disks_kind.cpp", 546},
                                                  {"src/simulation/protocol_simulation.cpp", 493}};
   for (fs::path const& path : sources()) {
     std::string const name = path.lexically_relative(root).string();

@@ -19,7 +19,7 @@
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/simulation/setup.hpp"
-#include "thread_ranks.hpp"
+#include "state_on_ranks.hpp"
 
 namespace gridlock {
 namespace {
@@ -50,10 +50,8 @@ Hashes run(Scene const& scene, std::string const& engine, Variant const& variant
   settings.threads = variant.threads;
   settings.grid = variant.grid;
   Counters counters;
-  test::ThreadRanks(variant.ranks).run([&](Communicator& ranks) {
-    settings.processes = ranks;
-    make_engine(settings, state)->advance(state, counters, {.time = scene.time});
-  });
+  test::ThreadRanks ranks(variant.ranks);
+  test::advance_on_ranks(settings, ranks, state, counters, {.time = scene.time});
   EXPECT_NO_THROW(validate(state));
   EXPECT_GT(counters.pair_collisions, 0U) << "a scene in which nothing happens proves nothing";
   return {start, golden::hash_text(state)};

@@ -8,46 +8,51 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "golden/model_scenes.hpp"
 #include "golden/scenes.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
-#include "gridlock/parallel/detail/collectives.hpp"
-#include "gridlock/parallel/detail/tasks.hpp"
-#include "gridlock/simulation/detail/model_of_rank.hpp"
-#include "simulation/help.hpp"
+#include "gridlock/model/detail/model_on_ranks.hpp"
+#include "gridlock/simulation/model_simulation.hpp"
+#include "gridlock/simulation/world_simulation.hpp"
+#include "parallel/disks_of_all.hpp"
 
 namespace {
 
-/// For the leader.
-template <class Model>
-std::string hash_of_all(gridlock::Communicator& ranks, gridlock::ModelOfRank<Model> const& own) {
-  std::uint64_t const sum = gridlock::all_sum(ranks, own.sum_of_hashes());
-  return fmt::format("{:016x}", gridlock::hash_of_world(own.box(), own.clock(), own.seed(), own.count(), sum));
-}
-
-/// All ranks call it; the leader prints.
+/// All ranks call it; the root prints.
 template <class Model>
 void run_model(gridlock::Communicator& ranks, std::string const& scene, Model const& model, gridlock::Box const& box,
                std::uint64_t steps, std::uint64_t threads) {
-  gridlock::ModelOfRank<Model> own(ranks, model, box, gridlock::golden::seed_of_models, threads,
-                                   [](auto const& act) { act(); });
-  std::string const start = hash_of_all(ranks, own);
-  gridlock::Counters counters;
-  if (ranks.rank() == 0) {
-    own.advance(counters, {.step = steps});
-  } else {
-    gridlock::Message const bytes = ranks.receive(0);
-    gridlock::MessageReader message(bytes);
-    own.carry_out(message.next<gridlock::TaskOfRanks>(), message);
-  }
-  std::string const end = hash_of_all(ranks, own);
+  gridlock::World<Model> own{.box = box, .agents = {}, .clock = {}, .seed = gridlock::golden::seed_of_models};
+  gridlock::start_on_ranks(model, own, ranks, [](auto const& act) { act(); });
+  gridlock::ModelSimulation<Model> simulation(
+      model, std::move(own), std::make_unique<gridlock::ModelOnRanks<Model>>(model, ranks, threads), {}, ranks);
+  std::uint64_t const start = simulation.state_hash();
+  simulation.advance({.step = steps});
+  std::uint64_t const end = simulation.state_hash();
   if (ranks.rank() > 0) return;
   // A scene in which nothing happens would prove nothing.
   bool const all_happen =
-      std::ranges::all_of(own.event_counts(counters), [](auto const& count) { return count.value > 0; });
-  fmt::print("{} {} {} {}\n", scene, Model::name, start, all_happen ? end : "-");
+      std::ranges::all_of(simulation.counts(), [](gridlock::Count const& count) { return count.value > 0; });
+  fmt::print("{} {} {:016x} {}\n", scene, Model::name, start, all_happen ? fmt::format("{:016x}", end) : "-");
+}
+
+/// A scene of disks by `tiled`. All ranks call it; the root prints.
+void run_disks(gridlock::Communicator& ranks, gridlock::golden::Scene const& scene, std::uint64_t threads) {
+  gridlock::State state = gridlock::golden::start_of(scene);
+  std::string const start = gridlock::golden::hash_text(state);
+  gridlock::State own = gridlock::deal_out(ranks, state);
+  gridlock::EngineSettings settings = scene.engine;
+  settings.kind = "tiled";
+  settings.threads = threads;
+  settings.processes = ranks;
+  gridlock::DiskSimulation simulation(gridlock::make_engine(settings, own), std::move(own), ranks);
+  simulation.advance({.time = scene.time});
+  std::uint64_t const end = simulation.state_hash();
+  if (ranks.rank() == 0) fmt::print("{} tiled {} {:016x}\n", scene.name, start, end);
 }
 
 }  // namespace
@@ -59,21 +64,8 @@ int main(int argc, char** argv) {
                                   {.is_stop_asked = [] { return false; },
                                    .ask_to_stop = [] {},
                                    .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); }});
-    if (ranks.rank() > 0) {
-      gridlock::help(ranks);
-    } else {
-      for (gridlock::golden::Scene const& scene : gridlock::golden::scenes()) {
-        gridlock::State state = gridlock::golden::start_of(scene);
-        std::string const start = gridlock::golden::hash_text(state);
-        gridlock::EngineSettings settings = scene.engine;
-        settings.kind = "tiled";
-        settings.threads = std::stoul(argv[1]);
-        settings.processes = ranks;
-        gridlock::Counters counters;
-        gridlock::make_engine(settings, state)->advance(state, counters, {.time = scene.time});
-        fmt::print("{} tiled {} {}\n", scene.name, start, gridlock::golden::hash_text(state));
-      }
-      gridlock::release_helpers(ranks);
+    for (gridlock::golden::Scene const& scene : gridlock::golden::scenes()) {
+      run_disks(ranks, scene, std::stoul(argv[1]));
     }
     gridlock::golden::for_each_shared_scene(
         [&](std::string const& scene, auto const& model, gridlock::Box const& box, std::uint64_t steps) {

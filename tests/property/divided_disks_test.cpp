@@ -248,15 +248,77 @@ TEST_F(DividedDisksTest, StartFromAPackedFileAndAfterOneThatWasRefused) {
   ASSERT_EQ(std::system(("gzip -k " + file.string()).c_str()), 0);
   std::string const text = run_of_file(file.string() + ".gz");
   carry_out(text, temporary_ / "one", 0);
-  test::ThreadRanks(3).run([&](Communicator& leader) {
-    SetupOptions const options{.threads = 1, .processes = leader};
+  test::ThreadRanks(3).run([&](Communicator& ranks) {
+    SetupOptions const options{.threads = 1, .processes = ranks};
     EXPECT_THROW(set_up(SettingsFile::from_text(run_of_file(file, "count = 7\n"), "wrong.toml"), options), Error);
     RunHooks hooks;
-    hooks.processes = leader;
     hooks.threads = 1;
     run_in(temporary_ / "many", set_up(SettingsFile::from_text(text, "run.toml"), options), hooks);
   });
   ASSERT_NO_FATAL_FAILURE(expect_same_results(temporary_ / "one", temporary_ / "many", "packed"));
+}
+
+/// A run of some thousand steps that ranks divide.
+std::string long_run(std::string const& more = "") {
+  return "[disks]\ncount = 300\npacking_fraction = 0.3\n[box]\nedge = \"periodic\"\nheight = 1.3\n"
+         "[engine]\nkind = \"tiled\"\n[observe]\nevery = 50\n[trajectory]\nevery = 500\n[run]\nsteps = 2000\nseed = "
+         "5\n" +
+         more;
+}
+
+TEST_F(DividedDisksTest, StopWhereAnyRankIsAskedTo) {
+  for (std::size_t const asked : {0U, 2U}) {
+    fs::path const directory = temporary_ / ("asked" + std::to_string(asked));
+    test::ThreadRanks ranks(3);
+    ranks.run([&](Communicator& here) {
+      RunHooks hooks;
+      // Each rank would answer something else: the root decides.
+      hooks.on_progress = [&](Progress const& progress) {
+        if (progress.steps >= 100) ranks.ask_to_stop(asked);
+        return here.rank() == 0 ? !ranks.does_root_stop() : here.rank() == 1;
+      };
+      hooks.threads = 1;
+      auto const file = SettingsFile::from_text(long_run(), "run.toml");
+      EXPECT_EQ(run_in(directory, set_up(file, {.threads = 1, .processes = here}), hooks).status,
+                RunStatus::interrupted)
+          << "rank " << here.rank();
+    });
+    EXPECT_EQ(carry_out(long_run(), directory, 2), RunStatus::finished);
+    carry_out(long_run(), temporary_ / "whole", 0);
+    ASSERT_NO_FATAL_FAILURE(expect_same_results(temporary_ / "whole", directory, "asked " + std::to_string(asked)));
+    fs::remove_all(temporary_ / "whole");
+  }
+}
+
+TEST_F(DividedDisksTest, SaveThemselvesByTheClockOfTheRoot) {
+  // Every rank has a clock of its own, and a checkpoint is always due.
+  std::string const text = long_run("[checkpoint]\nevery_seconds = 1e-9\n");
+  carry_out(text, temporary_ / "one", 0);
+  EXPECT_EQ(carry_out(text, temporary_ / "many", 3), RunStatus::finished);
+  ASSERT_NO_FATAL_FAILURE(expect_same_results(temporary_ / "one", temporary_ / "many", "by the clock"));
+  EXPECT_NE(read_file(temporary_ / "many" / "run.log", 1U << 24).find("checkpoint"), std::string::npos);
+}
+
+TEST_F(DividedDisksTest, FailTogetherWhereTheRootCannotWrite) {
+  fs::path const directory = temporary_ / "in_the_way";
+  std::string const text = long_run();
+  std::string why;
+  try {
+    test::ThreadRanks(3).run([&](Communicator& here) {
+      RunHooks hooks;
+      hooks.on_progress = [&](Progress const& progress) {
+        // Where frames go, a directory comes into the way while the run goes on.
+        if (here.rank() == 0 && progress.steps >= 100 && !fs::exists(directory / "series.csv")) {
+          fs::create_directories(directory / "series.csv" / "of_the_user");
+        }
+        return true;
+      };
+      run_in(directory, set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .processes = here}), hooks);
+    });
+  } catch (RunFailure const& failure) {
+    why = failure.what();
+  }
+  EXPECT_NE(why.find("series.csv"), std::string::npos) << why;
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/simulation/detail/model_of_rank.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
 #include "runs_on_ranks.hpp"
@@ -38,22 +37,17 @@ struct Heirs {
   using Agents = Population<X, Y, test::Weight>;
 
   std::uint64_t count = 300;
-  std::uint64_t left_out = 0;
 
-  void describe(SettingVisitor& visitor) {
-    visitor.visit({.key = "count"}, count);
-    visitor.visit({.key = "left_out"}, left_out);
-  }
+  void describe(SettingVisitor& visitor) { visitor.visit({.key = "count"}, count); }
   [[nodiscard]] double cutoff() const { return 0.1; }
   [[nodiscard]] double time_step() const { return 0.1; }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
 
-  void start(World<Heirs>& world, ShareOfRows const& share) const {
+  void start(World<Heirs>& world) const {
     auto const weight = [&](std::uint64_t row) { return world.start_random(row).exponential(); };
-    double const sum = share.add_in_order(0.0, [&](double& so_far) {
-      for (std::uint64_t row = share.first(); row < share.end(); ++row) so_far += weight(row);
-    });
-    for (std::uint64_t row = share.first(); row + left_out < share.end(); ++row) {
+    double sum = 0.0;
+    for (std::uint64_t row = 0; row < count; ++row) sum += weight(row);
+    for (std::uint64_t row = 0; row < count; ++row) {
       RandomStream random = world.start_random(count + row);
       Vector const p = world.anywhere(random);
       world.agents.add(p.x, p.y, weight(row) / sum);
@@ -146,7 +140,7 @@ TEST(DividedModels, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
   }
 }
 
-TEST(DividedModels, MakeTheRowsOfTheirStartWithTheBitsOfOneProcess) {
+TEST(DividedModels, StartFromAgentsThatDependOnOneAnother) {
   test::KnownModel<Heirs> const known;
   TemporaryDirectory const temporary;
   for (std::string const count : {"1", "5", "300"}) {
@@ -158,21 +152,6 @@ TEST(DividedModels, MakeTheRowsOfTheirStartWithTheBitsOfOneProcess) {
       fs::path const many = temporary / ("many" + count + "_" + std::to_string(ranks));
       carry_out(text, many, ranks);
       ASSERT_NO_FATAL_FAILURE(expect_same_results(one, many, count + " on " + std::to_string(ranks) + " ranks"));
-    }
-  }
-}
-
-TEST(DividedModels, StartWithAnAgentForEachRow) {
-  test::KnownModel<Heirs> const known;
-  TemporaryDirectory const temporary;
-  for (auto const& [ranks, agents] :
-       {std::pair(0U, "299 agents for 300 rows"), std::pair(3U, "99 agents for 100 rows")}) {
-    try {
-      carry_out("model.kind = \"heirs_of_test\"\nheirs_of_test.left_out = 1\nrun.steps = 2\n", temporary / "refused",
-                ranks);
-      ADD_FAILURE() << ranks << " ranks";
-    } catch (Error const& error) {
-      EXPECT_NE(std::string(error.what()).find(agents), std::string::npos) << error.what();
     }
   }
 }
@@ -203,21 +182,12 @@ TEST(DividedModels, RefuseWhatOneProcessRefuses) {
 template <class Model>
 std::vector<std::size_t> agents_of_ranks(Model const& model, std::size_t ranks, std::uint64_t steps) {
   std::vector<std::size_t> agents(ranks);
-  ThreadRanks(ranks).run_on_all([&](Communicator& here) {
-    ModelOfRank<Model> own(here, model, Box(1.25, 0.8, Edge::periodic), 5, 1, [](auto const& act) { act(); });
+  ThreadRanks(ranks).run([&](Communicator& here) {
+    World<Model> own{.box = Box(1.25, 0.8, Edge::periodic), .seed = 5};
+    start_on_ranks(model, own, here, [](auto const& act) { act(); });
     Counters counters;
-    if (here.rank() == 0) {
-      own.advance(counters, {.step = steps});
-      send_task(here, TaskOfRanks::leave);
-    } else {
-      for (auto task = TaskOfRanks::steps_from_homes; task != TaskOfRanks::leave;) {
-        Message const bytes = here.receive(0);
-        MessageReader message(bytes);
-        task = message.next<TaskOfRanks>();
-        own.carry_out(task, message);
-      }
-    }
-    agents[here.rank()] = own.view().size();
+    ModelOnRanks<Model>(model, here, 1).advance(own, counters, {.step = steps});
+    agents[here.rank()] = own.agents.size();
   });
   return agents;
 }

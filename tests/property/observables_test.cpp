@@ -228,7 +228,7 @@ std::vector<Numbers> measured_on_ranks(Case const& c, std::size_t ranks, std::ui
   State const start = shuffle_seed == 0 ? start_of(c) : reference::with_rows_shuffled(start_of(c), shuffle_seed);
   std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, c.seed);
   std::vector<Numbers> results(ranks);
-  test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+  test::ThreadRanks(ranks).run([&](Communicator& here) {
     std::size_t const rank = here.rank();
     State state = rows_of(start, cuts[rank], cuts[rank + 1]);
     Counters const counters;
@@ -272,7 +272,7 @@ TEST(ObservablesOnRanks, OfThePageMeasureTheFastestOfAllDisks) {
   }
   for (std::size_t const ranks : {1U, 2U, 3U, 5U}) {
     std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, 21);
-    test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+    test::ThreadRanks(ranks).run([&](Communicator& here) {
       State const state = rows_of(start, cuts[here.rank()], cuts[here.rank() + 1]);
       Counters const counters;
       Snapshot const now(state, counters, here, c.count);
@@ -301,7 +301,7 @@ TEST(ObservablesOnRanks, SnapshotsCountEachAgentAndEachPairOnce) {
   ASSERT_GT(twice_pairs, 0U);
   for (std::size_t const ranks : {1U, 2U, 5U}) {
     std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, 33);
-    test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+    test::ThreadRanks(ranks).run([&](Communicator& here) {
       State const state = rows_of(start, cuts[here.rank()], cuts[here.rank() + 1]);
       Counters const counters;
       Snapshot const now(state, counters, here, c.count);
@@ -325,7 +325,7 @@ TEST(ObservablesOnRanks, SearchSlabsThatHoldEachPointOnceAndAboutAsManyEach) {
   constexpr std::size_t ranks = 4;
   std::vector<std::size_t> own(ranks);
   std::vector<std::size_t> all(ranks);
-  test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+  test::ThreadRanks(ranks).run([&](Communicator& here) {
     std::size_t const rank = here.rank();
     State const state = rows_of(start, rank * c.count / ranks, (rank + 1) * c.count / ranks);
     Counters const counters;

@@ -11,7 +11,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "reference/tiled_system.hpp"
-#include "thread_ranks.hpp"
+#include "state_on_ranks.hpp"
 
 namespace gridlock {
 namespace {
@@ -24,11 +24,15 @@ using test::ThreadRanks;
 
 Ended advance_on_ranks(EngineSettings settings, std::size_t ranks, std::uint64_t threads, State& state,
                        std::uint64_t step) {
+  settings.threads = threads;
   Ended ended;
-  ThreadRanks(ranks).run([&](Communicator& leader) {
-    settings.processes = leader;
-    ended = reference::advance(settings, threads, state, step);
-  });
+  ThreadRanks all(ranks);
+  try {
+    test::advance_on_ranks(settings, all, state, ended.counters, {.step = step});
+  } catch (std::exception const& error) {
+    ended.failure = error.what();
+  }
+  ended.hash = hash(state);
   return ended;
 }
 
@@ -68,11 +72,9 @@ Ended advance_in_parts(EngineSettings settings, std::vector<std::size_t> const& 
                        std::uint64_t step) {
   Ended ended;
   for (std::size_t part = 0; part < ranks_of_parts.size(); ++part) {
-    ThreadRanks(ranks_of_parts[part]).run([&](Communicator& leader) {
-      settings.processes = leader;
-      settings.threads = 1;
-      make_engine(settings, state)->advance(state, ended.counters, {.step = step * (part + 1) / ranks_of_parts.size()});
-    });
+    ThreadRanks ranks(ranks_of_parts[part]);
+    settings.threads = 1;
+    test::advance_on_ranks(settings, ranks, state, ended.counters, {.step = step * (part + 1) / ranks_of_parts.size()});
   }
   ended.hash = hash(state);
   return ended;
@@ -106,10 +108,8 @@ TEST(TiledOnRanks, StopsAtTheStepThatHasEnoughCollisions) {
   Counters one;
   make_engine(s.engine, one_state)->advance(one_state, one, enough);
   Counters many;
-  ThreadRanks(3).run([&](Communicator& leader) {
-    s.engine.processes = leader;
-    make_engine(s.engine, state)->advance(state, many, enough);
-  });
+  ThreadRanks ranks(3);
+  test::advance_on_ranks(s.engine, ranks, state, many, enough);
   EXPECT_GE(one.pair_collisions, 500U);
   EXPECT_EQ(one_state.clock, state.clock);
   EXPECT_EQ(hash(one_state), hash(state));
@@ -124,18 +124,18 @@ TEST(TiledOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
     State state = start;
     Counters counters;
     int asked = 0;
-    auto const advance = [&](Communicator& leader) {
-      s.engine.processes = leader;
-      make_engine(s.engine, state)->advance(state, counters, {.step = 1'000'000, .should_continue = [&] {
-                                                                if (++asked == 3 && throws)
-                                                                  throw std::runtime_error("no more paper");
-                                                                return asked < 3;
-                                                              }});
+    auto const should_continue = [&] {
+      if (++asked == 3 && throws) throw std::runtime_error("no more paper");
+      return asked < 3;
+    };
+    ThreadRanks ranks(3);
+    auto const advance = [&] {
+      test::advance_on_ranks(s.engine, ranks, state, counters, {.step = 1'000'000, .should_continue = should_continue});
     };
     if (throws) {
-      EXPECT_THROW(ThreadRanks(3).run(advance), std::runtime_error);
+      EXPECT_THROW(advance(), std::runtime_error);
     } else {
-      ThreadRanks(3).run(advance);
+      advance();
     }
     // What was done until then is whole.
     State one_state = start;
@@ -158,11 +158,8 @@ TEST(TiledOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
     s.engine = {.kind = "tiled", .time_step = 0.05, .threads = 1};
     State state = s.start();
     ThreadRanks ranks(2);
-    ranks.run([&](Communicator& leader) {
-      s.engine.processes = leader;
-      Counters counters;
-      make_engine(s.engine, state)->advance(state, counters, {.step = steps});
-    });
+    Counters counters;
+    test::advance_on_ranks(s.engine, ranks, state, counters, {.step = steps});
     return ranks.messages();
   };
   for (std::size_t const disks : {2000U, 8000U}) {

@@ -24,16 +24,19 @@ namespace gridlock::test {
 inline RunStatus carry_out(std::string const& text, std::filesystem::path const& directory, std::size_t ranks,
                            std::uint64_t stop_at = 0) {
   RunStatus status = RunStatus::failed;
+  bool const is_there = std::filesystem::exists(directory / "config.resolved.toml");
   auto const work = [&](AllProcesses processes) {
     RunHooks hooks;
     hooks.processes = processes;
     hooks.threads = 1;
     if (stop_at > 0) hooks.on_progress = [&](Progress const& progress) { return progress.steps < stop_at; };
-    if (std::filesystem::exists(directory / "config.resolved.toml")) {
-      status = resume_in(directory, hooks).status;
+    if (is_there) {
+      RunStatus const ended = resume_in(directory, hooks).status;
+      if (processes.is_root()) status = ended;
     } else {
       Setup setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .processes = processes});
-      status = run_in(directory, std::move(setup), hooks).status;
+      RunStatus const ended = run_in(directory, std::move(setup), hooks).status;
+      if (processes.is_root()) status = ended;
     }
   };
   if (ranks == 0) {

@@ -36,7 +36,7 @@ void expect_sorted(std::vector<Keyed> const& values, std::size_t ranks, RandomSt
   std::uint64_t const favoured = random.below(ranks);
   for (Keyed const& value : values) of_ranks[random.below(2) == 0 ? favoured : random.below(ranks)].push_back(value);
   RowDivision const rows = RowDivision::even(values.size(), ranks);
-  test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+  test::ThreadRanks(ranks).run([&](Communicator& here) {
     sort_among_ranks(here, of_ranks[here.rank()], rows, [](Keyed const& value) { return value.key; });
   });
   std::vector<std::uint64_t> expected;

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -79,8 +80,11 @@ std::unique_ptr<FrameSource> frame_source_of(World<Model> const& world) {
 /// A frame that must outlive its source.
 std::unique_ptr<FrameSource> frame_source_of(Frame const& frame);
 
-/// The same with these columns only, by their places, in this order.
-std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, std::vector<std::size_t> columns);
+/// What is done with a frame.
+using UseFrame = std::function<void(FrameSource const&)>;
+
+/// The same with these columns only, by their places, in this order. The frame must outlive it.
+std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::vector<std::size_t> columns);
 
 /// Calls visit(first, count) for pieces of at most so many rows that make up all, one after the other.
 template <class Visit>

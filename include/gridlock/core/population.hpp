@@ -182,9 +182,12 @@ class Population {
     assert(rows.size() == ids.size());
     slots_.clear();
     free_slots_.clear();
+    is_part_ = true;
     std::swap(ids_, ids);
     std::swap(rows_, rows);
   }
+  /// For a part: the names that the next newborn of the whole population get, where this process is the one to know.
+  [[nodiscard]] FreeNames& names_of_all() { return names_of_all_; }
 
   /// For a part: this row, or one more behind the last, becomes that of an agent with this Id and the values of row
   /// `from`.
@@ -198,22 +201,19 @@ class Population {
   }
 
   /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get
-  /// the same Ids. A part, see become(), stays one: nothing but its rows is restored. Errors: Error where what is
-  /// restored is no population.
+  /// the same Ids. A part, see become(), stays one. Errors: Error where what is restored is no population.
   void serialize(Archive& archive) {
-    bool const is_part = slots_.empty() && !ids_.empty();
-    serialize_rows(archive);
-    FreeNames names = is_part ? FreeNames() : free_names();
-    names.serialize(archive);
-    if (archive.is_restoring() && !is_part) restore_slots(archive, names);
-  }
-
-  /// The rows alone: for a part, whose names are known elsewhere.
-  void serialize_rows(Archive& archive) {
     serialize(archive, "id", ids_);
     (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
     archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
                     "the columns of the agents differ in length");
+    if (is_part_) {
+      names_of_all_.serialize(archive);
+      return;
+    }
+    FreeNames names = free_names();
+    names.serialize(archive);
+    if (archive.is_restoring()) restore_slots(archive, names);
   }
 
   /// The names of those who are born next. Cost: a pass over the free ones.
@@ -310,6 +310,8 @@ class Population {
   LargeArray<Id> ids_;
   LargeArray<Slot> slots_;
   std::vector<std::uint32_t> free_slots_;
+  bool is_part_ = false;
+  FreeNames names_of_all_;  ///< of a part
 };
 
 }  // namespace gridlock

@@ -9,7 +9,10 @@
 /// draw_velocities(state, {.max = 1.0});
 /// ```
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +20,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/vector.hpp"
-#include "gridlock/parallel/share_of_rows.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
 
 namespace gridlock {
 
@@ -90,16 +93,39 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor);
 /// that does.
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed);
 
-/// The rows of a share, by which processes divide the disks: no process has all, and the bits are those of one. All
-/// call it.
-/// Contract: the share is one of count_of(settings) rows. Memory: that of the rows; for a mixture or a distribution of
-/// sizes a bit for each disk of all and up to 56 bytes for each row, until it returns; for a random start of more than
-/// 5,000 disks 90 bytes for each row.
-/// Errors: the same, on all of them.
-State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, ShareOfRows const& share);
-
 /// How many disks the settings ask for.
 std::uint64_t count_of(DisksSettings const& settings);
+
+/// A disk of a start, at rest.
+struct DiskAtStart {
+  Vector site;
+  double radius = 0.0;
+  double mass = 1.0;
+};
+
+/// The disks of make_start() one by one, for those who do not keep them all in one place.
+/// Memory: of a lattice of equal disks none, of other kinds 16 bytes a disk, of random sites 16 more, and 50 while they
+/// are found.
+class StartOfDisks {
+ public:
+  /// Where disk number i is.
+  using SiteOf = std::function<Vector(std::size_t i)>;
+
+  /// Errors: those of make_start().
+  StartOfDisks(Box const& box, DisksSettings const& settings, std::uint64_t seed);
+  ~StartOfDisks();
+  StartOfDisks(StartOfDisks&&) noexcept;
+
+  [[nodiscard]] std::uint64_t count() const;
+  /// Number i, whose Id will be i.
+  [[nodiscard]] DiskAtStart disk(std::uint64_t i) const;
+  /// All of them.
+  [[nodiscard]] State all() const;
+
+ private:
+  struct Plan;
+  std::unique_ptr<Plan> plan_;
+};
 
 /// How many places a random start will try in all, each about 0.15 µs; from a sample of 5000 of its disks, about a
 /// second at most. 0 for starts that take no such time: other kinds, few disks, packing fractions up to 0.4, and those
@@ -112,11 +138,9 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 /// maxwell: each component normal with variance kT/m, kT = v_max²/4 in units of mass 1.
 /// Removing the drift subtracts Σ m v / Σ m from every velocity; automatic does so for two disks or more in a periodic
 /// box, where nothing else would ever stop it.
+/// Where processes share the disks, `state` has those of this one, in the order of the Ids, and all call it.
 /// Errors: Error for kind = file, since there is no file here, and for a largest speed below 10⁻⁶⁰ that is not 0.
-void draw_velocities(State& state, VelocitySettings const& settings);
-
-/// The same for the rows of a share; all processes call it.
-void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows const& share);
+void draw_velocities(State& state, VelocitySettings const& settings, AllProcesses processes = {});
 
 /// The largest radius of equal disks on the best lattice of at least `count` sites, its packing fraction, and `count`
 /// of its sites.

@@ -15,7 +15,6 @@
 #include "gridlock/core/vector.hpp"
 #include "gridlock/model/agent_sums.hpp"
 #include "gridlock/model/model_engine.hpp"
-#include "gridlock/parallel/share_of_rows.hpp"
 
 namespace gridlock {
 
@@ -127,18 +126,6 @@ std::vector<std::string> notes_of(Model const& model, World<Model> const& world,
   }
 }
 
-/// Puts the first agents of the rows of a share into an empty world, by Model::start(). All processes call it.
-/// Errors: Error where it adds fewer or more.
-template <class Model>
-void start_share(Model const& model, World<Model>& world, ShareOfRows const& share) {
-  model.start(world, share);
-  if (world.agents.size() == share.size()) return;
-  throw Error({.what = "the model \"" + std::string(Model::name) + "\" starts with " +
-                       std::to_string(world.agents.size()) + " agents for " + std::to_string(share.size()) + " rows",
-               .hint = "have its start() add one agent for each row of the share",
-               .key = "model.kind"});
-}
-
 /// Puts the first agents of a model into an empty world: one by one by Model::first_agent(), or by Model::start().
 template <class Model>
 void start_agents(Model const& model, World<Model>& world) {
@@ -146,8 +133,6 @@ void start_agents(Model const& model, World<Model>& world) {
     for (std::uint64_t number = 0; number < model.agents_at_start(); ++number) {
       std::apply([&](auto... values) { world.agents.add(values...); }, model.first_agent(world, number));
     }
-  } else if constexpr (has_shared_start<Model>()) {
-    start_share(model, world, ShareOfRows(model.agents_at_start()));
   } else {
     model.start(world);
   }

@@ -92,12 +92,10 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// begins or continues.
 /// Contract of the latter: the answers stay the same during a run (not checked). First agents that depend on one
 /// another `void start(World<Model>&) const` puts into the box in the place of first_agent(); agents_at_start() is then
-/// for the estimate of the memory. So that each of several processes makes some of them,
-/// `void start(World<Model>&, ShareOfRows const&) const` adds an agent for each row of the share, in the order of the rows, of
-/// agents_at_start() in all; its Id will be the row. What the share adds up over all rows, all processes ask for; so
-/// what keeps one from it has to keep all, as an Error for settings does. What is observed and is no sum over agents,
-/// `void observe(World<Model> const&, Observations&) const` finds in the world; notes() may take it too. Several processes divide the
-/// agents of a model that asks none of them for the World, so that none has all; others run in one process.
+/// for the estimate of the memory; of several processes the root makes them, and has all for that moment. What is
+/// observed and is no sum over agents, `void observe(World<Model> const&, Observations&) const` finds in the world;
+/// notes() may take it too. Several processes divide the agents of a model that asks none of them for the World, so
+/// that none has all; others run in one process.
 ///
 /// In a tiled model no agent searches or moves farther than the cutoff from where its turn began. A model in which a
 /// few do says so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell:

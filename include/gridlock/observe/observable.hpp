@@ -108,7 +108,7 @@ class Observable {
   virtual void serialize(Archive& archive) = 0;
 
   /// Values attached to agents go to the processes that have the agents now, see Attached.
-  virtual void migrate(Communicator& /*processes*/) {}
+  virtual void migrate(AllProcesses /*processes*/) {}
 };
 
 /// The settings `[observe]`.

@@ -60,6 +60,10 @@ class Communicator {
   /// Ends all ranks: this one cannot go on, and others wait for it.
   [[noreturn]] virtual void abandon(std::string const& why) = 0;
 
+  /// Whether all ranks have failed alike when they last agreed, see agree(): then none of them waits for another.
+  [[nodiscard]] bool have_all_failed() const { return have_all_failed_; }
+  void note_agreement(bool have_all_failed) { have_all_failed_ = have_all_failed; }
+
   /// The traffic of each rank, as the root knows it from the end of the last steps that they took together; none of a
   /// process that is alone.
   [[nodiscard]] std::vector<Traffic> const& traffic_of_ranks() const { return traffic_of_ranks_; }
@@ -69,6 +73,7 @@ class Communicator {
   }
 
  private:
+  bool have_all_failed_ = false;
   std::vector<Traffic> traffic_of_ranks_;
 };
 

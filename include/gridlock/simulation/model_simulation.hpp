@@ -89,12 +89,13 @@ class ModelSimulation final : public WorldSimulation<Model> {
   /// Errors: those of ModelEngine and of Model::start().
   ModelSimulation(Model const& model, Box const& box, std::uint64_t seed, ModelEngineSettings const& settings = {},
                   ObserveSettings const& observed = {})
-      : ModelSimulation(model, started(model, box, seed), settings, observed) {}
+      : ModelSimulation(model, started(model, box, seed), std::make_unique<ModelEngine<Model>>(model, box, settings),
+                        observed) {}
 
-  /// From a world that has started.
-  ModelSimulation(Model const& model, World<Model>&& world, ModelEngineSettings const& settings,
-                  ObserveSettings const& observed)
-      : WorldSimulation<Model>(std::make_unique<ModelEngine<Model>>(model, world.box, settings), std::move(world)) {
+  /// From a world that has started, and an engine for it; see WorldSimulation for processes that share them.
+  ModelSimulation(Model const& model, World<Model>&& world, std::unique_ptr<EngineFor<Model>> engine,
+                  ObserveSettings const& observed, AllProcesses processes = {})
+      : WorldSimulation<Model>(std::move(engine), std::move(world), processes) {
     this->observe(std::make_unique<ModelObservations<Model>>(model, this->world()));
     this->observe(observed, {.keeps_counters = keeps_counters<Model>()});
   }

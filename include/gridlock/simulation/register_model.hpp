@@ -30,8 +30,8 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/model/detail/model_on_ranks.hpp"
 #include "gridlock/simulation/detail/model_kind.hpp"
-#include "gridlock/simulation/detail/model_of_rank.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/setup.hpp"
 
@@ -67,9 +67,6 @@ class AgentsKind : public ModelKind {
   [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override;
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t agents) const override;
   [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override;
-  [[nodiscard]] bool is_divided_among_ranks(Configuration const& configuration) const override;
-  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Communicator& ranks,
-                                                             Configuration const& configuration) const override;
   void build(Setup& setup, SetupOptions const& options) const override;
 
  protected:
@@ -79,21 +76,18 @@ class AgentsKind : public ModelKind {
   /// The settings of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual bool can_be_divided_among_ranks() const { return false; }
-  /// Contract: can_be_divided_among_ranks(). All ranks call it. Appends to `notes` as make(). Errors: Error, on all
-  /// ranks.
-  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> make_agents(Communicator& ranks, Box const& box,
-                                                                  std::uint64_t seed, std::uint64_t threads,
-                                                                  std::vector<std::string>& notes) const;
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
   /// How many random places the start will try in all, each about 0.15 µs, where the model says so; else 0.
   [[nodiscard]] virtual double attempts_at_start(Box const& box, std::uint64_t seed) const = 0;
-  /// Appends to `notes` where the model says that its results mislead. Errors: Error.
+  /// Appends to `notes` where the model says that its results mislead. Contract: several processes share it only where
+  /// can_be_divided_among_ranks(). Errors: Error.
   [[nodiscard]] virtual std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings,
                                                          ObserveSettings const& observed,
-                                                         std::vector<std::string>& notes) const = 0;
+                                                         std::vector<std::string>& notes,
+                                                         AllProcesses processes) const = 0;
 };
 
 /// The kind a model is.
@@ -128,18 +122,6 @@ class ModelKindOf final : public AgentsKind {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
   [[nodiscard]] bool can_be_divided_among_ranks() const override { return can_be_divided<Model>(); }
-  [[nodiscard]] std::unique_ptr<AgentsOfRank> make_agents(Communicator& ranks, Box const& box, std::uint64_t seed,
-                                                          std::uint64_t threads,
-                                                          std::vector<std::string>& notes) const override {
-    if constexpr (can_be_divided<Model>()) {
-      auto agents = std::make_unique<ModelOfRank<Model>>(
-          ranks, model_, box, seed, threads, [](std::function<void()> const& act) { blame_table(Model::name, act); });
-      notes = agents->notes();
-      return agents;
-    } else {
-      return AgentsKind::make_agents(ranks, box, seed, threads, notes);
-    }
-  }
   [[nodiscard]] std::uint64_t agents_at_start() const override {
     if constexpr (requires { model_.agents_at_start(); }) {
       return model_.agents_at_start();
@@ -164,18 +146,35 @@ class ModelKindOf final : public AgentsKind {
   }
   [[nodiscard]] std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings, ObserveSettings const& observed,
-                                                 std::vector<std::string>& notes) const override {
+                                                 std::vector<std::string>& notes,
+                                                 AllProcesses processes) const override {
     World<Model> world{.box = box, .agents = {}, .clock = {}, .seed = seed};
-    blame_table(Model::name, [&] {
-      start_agents(model_, world);
-      ModelEngine<Model>::require_inside(world);
-    });
-    require_cutoff_fits(box, cutoff_of(model_, world), Model::name);
-    notes = notes_of(model_, world);
-    return std::make_unique<ModelSimulation<Model>>(model_, std::move(world), settings, observed);
+    std::unique_ptr<EngineFor<Model>> engine = started_engine(world, settings, processes);
+    double const cutoff = cutoff_of(model_, world, processes);
+    processes.agree([&] { require_cutoff_fits(box, cutoff, Model::name); });
+    notes = notes_of(model_, world, processes);
+    return std::make_unique<ModelSimulation<Model>>(model_, std::move(world), std::move(engine), observed, processes);
   }
 
  private:
+  /// Fills an empty world, and makes the engine for it.
+  [[nodiscard]] std::unique_ptr<EngineFor<Model>> started_engine(World<Model>& world,
+                                                                 ModelEngineSettings const& settings,
+                                                                 AllProcesses processes) const {
+    auto const blame = [](std::function<void()> const& act) { blame_table(Model::name, act); };
+    if constexpr (can_be_divided<Model>()) {
+      if (processes.count() > 1) {
+        start_on_ranks(model_, world, processes.communicator(), blame);
+        return std::make_unique<ModelOnRanks<Model>>(model_, processes, settings.threads);
+      }
+    }
+    blame([&] {
+      start_agents(model_, world);
+      ModelEngine<Model>::require_inside(world);
+    });
+    return std::make_unique<ModelEngine<Model>>(model_, world.box, settings);
+  }
+
   Model model_;
 };
 

@@ -28,6 +28,7 @@
 #include "gridlock/core/frame_source.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "gridlock/simulation/event.hpp"
 
 namespace gridlock {
@@ -98,10 +99,18 @@ class Simulation {
   [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
   [[nodiscard]] virtual std::vector<Distribution> distributions() const = 0;
 
-  /// All agents and all columns as they are now, handed out in pieces; valid as long as a view() is.
-  [[nodiscard]] virtual std::unique_ptr<FrameSource> frame_source() const = 0;
+  /// The processes that share it: they call all functions that speak of all agents together, and get the same.
+  [[nodiscard]] virtual AllProcesses processes() const { return {}; }
+
+  /// Gives `use` all agents and all columns as they are now, in the root alone where processes share them.
+  /// Errors: those of `use`, in all processes.
+  virtual void give_frame(UseFrame const& use) const = 0;
   /// The same at once.
-  [[nodiscard]] Frame frame() const { return frame_source()->whole(); }
+  [[nodiscard]] Frame frame() const {
+    Frame all;
+    give_frame([&](FrameSource const& frame) { all = frame.whole(); });
+    return all;
+  }
 
   /// The contacts of the agents, where a protocol has just ended in a minimum of their energy.
   [[nodiscard]] virtual std::optional<FrameContacts> contacts() const { return std::nullopt; }
@@ -109,6 +118,8 @@ class Simulation {
   /// Everything that the rest of the run depends on: state, counts, and what the observables have gathered. Restored
   /// into a simulation made from the same configuration, the run continues with the same bits.
   virtual void serialize(Archive& archive) = 0;
+  /// All processes that share it have restored their parts. Errors: Error, in all, for what cannot be continued.
+  virtual void take_restored() {}
 };
 
 }  // namespace gridlock

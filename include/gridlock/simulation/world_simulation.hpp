@@ -9,6 +9,7 @@
 #include "gridlock/core/world.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/detail/observable_set.hpp"
+#include "gridlock/parallel/detail/frame_of_all.hpp"
 #include "gridlock/simulation/simulation.hpp"
 
 namespace gridlock {
@@ -24,8 +25,11 @@ namespace gridlock {
 template <class Model>
 class WorldSimulation : public Simulation {
  public:
-  WorldSimulation(std::unique_ptr<EngineFor<Model>> engine, World<Model>&& world)
-      : world_(std::move(world)), engine_(std::move(engine)) {}
+  /// Where processes share it, `world` has the agents of this one, and the engine is one of all.
+  WorldSimulation(std::unique_ptr<EngineFor<Model>> engine, World<Model>&& world, AllProcesses processes = {})
+      : world_(std::move(world)), engine_(std::move(engine)), processes_(processes) {
+    count_agents();
+  }
 
   [[nodiscard]] World<Model> const& world() const { return world_; }
   [[nodiscard]] Counters const& counters() const { return counters_; }
@@ -44,14 +48,22 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] Clock clock() const override { return world_.clock; }
   [[nodiscard]] double time_step() const override { return engine_->time_step_of(world_); }
   [[nodiscard]] AgentsView view() const override { return world_.agents; }
-  [[nodiscard]] std::uint64_t state_hash() const override { return hash(world_); }
+  [[nodiscard]] std::size_t agents() const override { return agents_; }
+  [[nodiscard]] AllProcesses processes() const override { return processes_; }
+  [[nodiscard]] std::uint64_t state_hash() const override {
+    std::uint64_t const sum = processes_.sum(sum_of_hashes(world_.agents));
+    return hash_of_world(world_.box, world_.clock, world_.seed, agents_, sum);
+  }
   [[nodiscard]] std::vector<Count> counts() const override { return engine_->counts(world_, counters_); }
   [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
   [[nodiscard]] std::uint64_t pair_collisions() const override { return counters_.pair_collisions; }
   [[nodiscard]] std::vector<NamedColumn> columns_of_agents() override { return columns_of(world_.agents); }
   [[nodiscard]] std::shared_ptr<void> release_columns() override { return world_.agents.release(); }
   void require_valid() const override { engine_->require_valid(world_); }
-  void advance(StopCondition const& stop_condition) override { engine_->advance(world_, counters_, stop_condition); }
+  void advance(StopCondition const& stop_condition) override {
+    engine_->advance(world_, counters_, stop_condition);
+    count_agents();
+  }
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return observables_.columns(); }
   void sample(std::span<double> row, bool counts_for_average) override {
@@ -60,7 +72,7 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return observables_.results(); }
   [[nodiscard]] std::vector<Distribution> distributions() const override { return observables_.distributions(); }
 
-  [[nodiscard]] std::unique_ptr<FrameSource> frame_source() const override { return frame_source_of(world_); }
+  void give_frame(UseFrame const& use) const override { gridlock::give_frame(processes_, world_, use); }
 
   void serialize(Archive& archive) override {
     serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });
@@ -70,13 +82,20 @@ class WorldSimulation : public Simulation {
     serialize_inside(archive, "engine", [&] { engine_->serialize(archive, world_); });
     observables_.serialize(archive);
   }
+  void take_restored() override {
+    if (engine_->take_restored(world_)) observables_.migrate(processes_);
+    count_agents();
+  }
 
  private:
-  [[nodiscard]] Snapshot snapshot() const { return {world_, counters_}; }
+  [[nodiscard]] Snapshot snapshot() const { return {world_, counters_, processes_, agents_}; }
+  void count_agents() { agents_ = processes_.sum(world_.agents.size()); }
 
   World<Model> world_;
   Counters counters_;
   std::unique_ptr<EngineFor<Model>> engine_;
+  AllProcesses processes_;
+  std::size_t agents_ = 0;  ///< of all processes
   ObservableSet observables_;
 };
 

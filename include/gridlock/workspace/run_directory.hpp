@@ -58,7 +58,7 @@ struct RunHooks {
   OnProgress on_progress;
   std::function<void(Event const&)> on_event;  ///< called for every line of run.log
   std::optional<std::uint64_t> threads;        ///< in place of engine.threads; left out: as configured
-  AllProcesses processes = {};                 ///< those of the set-up, SetupOptions::processes
+  AllProcesses processes = {};                 ///< of resume_in() and lengthen_in(): those that share the run
 };
 
 /// Runs a set-up in a directory of its own, which holds from the first step on

@@ -86,7 +86,8 @@ TEST(FrameSource, OfNobodyHasColumnsAndNoRows) {
 TEST(FrameSource, WithSomeColumnsHasTheseAlone) {
   State const state = disks_after_deaths(50, 10);
   std::unique_ptr<FrameSource> const all = frame_source_of(state);
-  std::unique_ptr<FrameSource> const some = with_columns(frame_source_of(state), {6, 1});
+  std::unique_ptr<FrameSource> const source = frame_source_of(state);
+  std::unique_ptr<FrameSource> const some = with_columns(*source, {6, 1});
   EXPECT_EQ(some->find("x"), std::nullopt);
   EXPECT_EQ(some->find("y"), 1U);
   EXPECT_EQ(some->ids(3, 20), all->ids(3, 20));

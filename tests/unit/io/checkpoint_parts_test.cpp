@@ -17,6 +17,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
@@ -70,44 +71,52 @@ Agents agents_at(std::uint64_t step, std::size_t rows, bool has_origins = true) 
   return agents;
 }
 
+/// Rows first … end − 1.
+struct Rows {
+  std::uint64_t first, end;
+};
+
 template <class Value>
-std::vector<Value> rows_of(std::vector<Value> const& all, CheckpointShare const& share) {
+std::vector<Value> rows_of(std::vector<Value> const& all, Rows const& rows) {
   if (all.empty()) return {};
-  return {all.begin() + static_cast<std::ptrdiff_t>(share.first_row),
-          all.begin() + static_cast<std::ptrdiff_t>(share.end_row)};
+  return {all.begin() + static_cast<std::ptrdiff_t>(rows.first), all.begin() + static_cast<std::ptrdiff_t>(rows.end)};
 }
 
 /// What one process has.
-Agents part_of(Agents const& all, CheckpointShare const& share) {
+Agents part_of(Agents const& all, Rows const& rows) {
   Agents part = all;
-  part.ids = rows_of(all.ids, share);
-  part.x = rows_of(all.x, share);
-  part.images = rows_of(all.images, share);
-  part.kinds = rows_of(all.kinds, share);
-  part.origins = rows_of(all.origins, share);
+  part.ids = rows_of(all.ids, rows);
+  part.x = rows_of(all.x, rows);
+  part.images = rows_of(all.images, rows);
+  part.kinds = rows_of(all.kinds, rows);
+  part.origins = rows_of(all.origins, rows);
   return part;
 }
 
 /// Shares of any sizes, some of them perhaps of no rows.
-std::vector<CheckpointShare> shares_of(std::size_t count, std::size_t rows, RandomStream& random) {
+std::vector<Rows> shares_of(std::size_t count, std::size_t rows, RandomStream& random) {
   std::vector<std::uint64_t> cuts{0, rows};
   for (std::size_t k = 1; k < count; ++k) cuts.push_back(random.below(rows + 1));
   std::ranges::sort(cuts);
-  std::vector<CheckpointShare> shares;
-  for (std::size_t rank = 0; rank < count; ++rank) {
-    shares.push_back({.part = rank, .count = count, .first_row = cuts[rank], .end_row = cuts[rank + 1]});
-  }
+  std::vector<Rows> shares;
+  for (std::size_t rank = 0; rank < count; ++rank) shares.push_back({cuts[rank], cuts[rank + 1]});
   return shares;
 }
 
-void save(fs::path const& directory, Agents const& agents, std::vector<CheckpointShare> const& shares) {
+/// What is restored by one of several processes.
+Rows even_share(std::size_t rank, std::size_t count, std::size_t rows) {
+  RowDivision const even = RowDivision::even(rows, count);
+  return {even.first(rank), even.end(rank)};
+}
+
+void save(fs::path const& directory, Agents const& agents, std::vector<Rows> const& shares) {
   std::vector<CheckpointPart> parts;
-  for (CheckpointShare const& share : shares) {
-    Agents part = part_of(agents, share);
-    parts.push_back(write_checkpoint_part(directory, share, serializing(part)));
+  for (std::size_t rank = 0; rank < shares.size(); ++rank) {
+    Agents part = part_of(agents, shares[rank]);
+    parts.push_back(write_checkpoint_part(directory, {.part = rank, .count = shares.size()}, serializing(part)));
   }
-  Agents leader = part_of(agents, shares.front());
-  write_checkpoint(directory, serializing(leader), parts);
+  Agents root = part_of(agents, shares.front());
+  write_checkpoint(directory, serializing(root), parts);
 }
 
 void save(fs::path const& directory, Agents const& agents, std::size_t count) {
@@ -163,10 +172,11 @@ TEST(CheckpointParts, OfAnyNumberOfProcessesAreRestoredByAnyOther) {
     }
     EXPECT_EQ(parts_in(directory.path()).size(), writers);
     EXPECT_EQ(restored_from(directory.path()), agents);
-    for (CheckpointShare const& share : shares_of(1 + random.below(6), rows, random)) {
+    std::size_t const readers = 1 + random.below(6);
+    for (std::size_t rank = 0; rank < readers; ++rank) {
       Agents part;
-      ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), share));
-      EXPECT_EQ(part, part_of(agents, share)) << writers << " writers, rank " << share.part;
+      ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), {.part = rank, .count = readers}));
+      EXPECT_EQ(part, part_of(agents, even_share(rank, readers, rows))) << writers << " writers, rank " << rank;
     }
   }
 }
@@ -254,8 +264,7 @@ TEST(CheckpointParts, OfACheckpointThatCouldNotBeWrittenGo) {
   fs::path const& path = directory.path();
   save(path, agents_at(1, 50), 3);
   Agents next = agents_at(2, 50);
-  static_cast<void>(
-      write_checkpoint_part(path, {.part = 0, .count = 2, .first_row = 0, .end_row = 50}, serializing(next)));
+  static_cast<void>(write_checkpoint_part(path, {.part = 0, .count = 2}, serializing(next)));
   EXPECT_EQ(parts_in(path).size(), 4U);
   remove_unneeded_parts(path);
   EXPECT_EQ(parts_in(path).size(), 3U);
@@ -377,58 +386,31 @@ TEST(CheckpointParts, ThatAreDamagedAreNamedAndThePreviousCheckpointIsUsed) {
   EXPECT_EQ(damaged_files, 1 + 3);
 }
 
-TEST(CheckpointParts, WithAnotherNumberOfRowsAreRefusedNamingThem) {
+TEST(CheckpointParts, WithAnotherNumberOfRowsThanTheCheckpointSaysAreRefusedNamingThem) {
   TemporaryDirectory const directory;
   Agents const agents = agents_at(1, 30);
-  save(directory.path(), agents, 3);
-  auto const refusal_to = [&](CheckpointShare const& share) {
-    Agents part;
-    try {
-      static_cast<void>(restore_checkpoint(directory.path(), serializing(part), share));
-    } catch (Error const& error) {
-      return std::string(error.problems().front().what);
-    }
-    return std::string();
-  };
-  EXPECT_EQ(refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
-  for (std::uint64_t const end : {29, 31}) {
-    std::string const refusal = refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = end});
-    EXPECT_NE(refusal.find("checkpoint.gridlock: its parts have 30 rows"), std::string::npos) << refusal;
-  }
-  EXPECT_NE(refusal_to({.part = 0, .count = 2, .first_row = 0, .end_row = 31}), "");
-
-  Agents whole = agents;
-  write_checkpoint(directory.path(), serializing(whole));
-  remove_previous_checkpoint(directory.path());
-  EXPECT_EQ(refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
-  for (std::uint64_t const end : {29, 31}) {
-    EXPECT_NE(refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = end}), "");
-  }
-
-  // A list that lacks a value.
-  CheckpointShare const first{.part = 0, .count = 2, .first_row = 0, .end_row = 10};
-  CheckpointShare const second{.part = 1, .count = 2, .first_row = 10, .end_row = 30};
-  Agents part = part_of(agents, first);
-  part.x.pop_back();
-  std::vector<CheckpointPart> const parts{write_checkpoint_part(directory.path(), first, serializing(part)), [&] {
-                                            Agents other = part_of(agents, second);
-                                            return write_checkpoint_part(directory.path(), second, serializing(other));
-                                          }()};
+  Agents part = part_of(agents, {0, 10});
+  Agents other = part_of(agents, {10, 30});
+  std::vector<CheckpointPart> parts{
+      write_checkpoint_part(directory.path(), {.part = 0, .count = 2}, serializing(part)),
+      write_checkpoint_part(directory.path(), {.part = 1, .count = 2}, serializing(other))};
+  parts[0].lengths[1] = 9;
   write_checkpoint(directory.path(), serializing(part), parts);
-  remove_previous_checkpoint(directory.path());
-  std::string const refusal = refusal_to({});
-  EXPECT_NE(refusal.find("checkpoint.part.0."), std::string::npos) << refusal;
-  EXPECT_NE(refusal.find("9 values of \"agents.x\" for 10 rows"), std::string::npos) << refusal;
+  try {
+    restored_from(directory.path());
+    FAIL() << "a list lacks a value";
+  } catch (Error const& error) {
+    std::string const refusal = error.problems().front().what;
+    EXPECT_NE(refusal.find("checkpoint.part.0."), std::string::npos) << refusal;
+    EXPECT_NE(refusal.find("10 values of \"agents.x\" for 9 rows"), std::string::npos) << refusal;
+  }
 }
 
 TEST(CheckpointParts, WhereOneProcessFindsDamageAllGoBackToThePreviousCheckpoint) {
   TemporaryDirectory const directory;
   save(directory.path(), agents_at(1, 30), 2);
-  save(directory.path(), agents_at(2, 30), 3);
-  RandomStream random(3, 0, 0, Purpose::start_position);
-  std::vector<CheckpointShare> const shares{{.part = 0, .count = 3, .first_row = 0, .end_row = 2},
-                                            {.part = 1, .count = 3, .first_row = 2, .end_row = 28},
-                                            {.part = 2, .count = 3, .first_row = 28, .end_row = 30}};
+  save(directory.path(), agents_at(2, 30), {Rows{0, 10}, Rows{10, 27}, Rows{27, 30}});
+  constexpr std::size_t count = 3;
   // The last rows, which only the last process needs.
   std::string last;
   for (std::string const& name : parts_in(directory.path())) {
@@ -437,13 +419,13 @@ TEST(CheckpointParts, WhereOneProcessFindsDamageAllGoBackToThePreviousCheckpoint
   ASSERT_NE(last, "");
   fs::resize_file(directory.path() / last, 40);
 
-  std::vector<std::string> reasons(shares.size());
-  std::barrier meeting(static_cast<std::ptrdiff_t>(shares.size()));
-  std::vector<Agents> restored(shares.size());
-  std::vector<std::string> notes(shares.size());
+  std::vector<std::string> reasons(count);
+  std::barrier meeting(static_cast<std::ptrdiff_t>(count));
+  std::vector<Agents> restored(count);
+  std::vector<std::string> notes(count);
   {
     std::vector<std::jthread> processes;
-    for (std::size_t rank = 0; rank < shares.size(); ++rank) {
+    for (std::size_t rank = 0; rank < count; ++rank) {
       processes.emplace_back([&, rank] {
         auto const agree = [&](std::string const& reason) {
           meeting.arrive_and_wait();
@@ -453,12 +435,14 @@ TEST(CheckpointParts, WhereOneProcessFindsDamageAllGoBackToThePreviousCheckpoint
           return first == reasons.end() ? std::string() : *first;
         };
         notes[rank] =
-            restore_checkpoint(directory.path(), serializing(restored[rank]), shares[rank], agree).value().note;
+            restore_checkpoint(directory.path(), serializing(restored[rank]), {.part = rank, .count = count}, agree)
+                .value()
+                .note;
       });
     }
   }
-  for (std::size_t rank = 0; rank < shares.size(); ++rank) {
-    EXPECT_EQ(restored[rank], part_of(agents_at(1, 30), shares[rank])) << rank;
+  for (std::size_t rank = 0; rank < count; ++rank) {
+    EXPECT_EQ(restored[rank], part_of(agents_at(1, 30), even_share(rank, count, 30))) << rank;
     EXPECT_NE(notes[rank].find(last), std::string::npos) << notes[rank];
   }
 }

@@ -334,7 +334,7 @@ TEST(AgentSums, AreThoseOfAllProcesses) {
   for (double const x : {0.25, 0.5}) world.agents.add(x, 0.5, 1);
   World<Grains> elsewhere{.box = Box(1.0, 1.0, Edge::wall)};
   elsewhere.agents.add(10.0, 0.5, 0);
-  test::ThreadRanks(2).run_on_all([&](Communicator& here) {
+  test::ThreadRanks(2).run([&](Communicator& here) {
     AgentSums<Grains> const agents(here.rank() == 0 ? world : elsewhere, here);
     auto const x = [](auto const& agent) { return agent.template get<X>(); };
     EXPECT_EQ(agents.size(), 3U);

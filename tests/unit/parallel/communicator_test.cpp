@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Counts, TreeOfRanks, testing::Values(1, 2, 3, 4, 5, 6, 
 TEST_P(TreeOfRanks, GathersForAllWhatEachGives) {
   std::size_t const count = GetParam();
   ThreadRanks all(count);
-  all.run_on_all([&](Communicator& ranks) {
+  all.run([&](Communicator& ranks) {
     for (int n = 0; n < 3; ++n) {
       std::string const own = text_of_rank(ranks.rank()) + std::to_string(n);
       std::vector<std::string> expected = texts_of(count);
@@ -77,7 +77,7 @@ TEST_P(TreeOfRanks, GathersForAllWhatEachGives) {
 
 TEST_P(TreeOfRanks, GathersForTheLeaderAlone) {
   ThreadRanks all(GetParam());
-  all.run_on_all([&](Communicator& ranks) {
+  all.run([&](Communicator& ranks) {
     std::vector<std::string> const texts = texts_in(gather(ranks, message_with(text_of_rank(ranks.rank()))));
     EXPECT_EQ(texts, ranks.rank() == 0 ? texts_of(GetParam()) : std::vector<std::string>()) << "rank " << ranks.rank();
   });
@@ -86,7 +86,7 @@ TEST_P(TreeOfRanks, GathersForTheLeaderAlone) {
 
 TEST_P(TreeOfRanks, MergesInTheOrderOfTheRanks) {
   ThreadRanks all(GetParam());
-  all.run_on_all([&](Communicator& ranks) {
+  all.run([&](Communicator& ranks) {
     Message const own = message_with(text_of_rank(ranks.rank()));
     EXPECT_EQ(text_in(reduce(ranks, own, joined)), ranks.rank() == 0 ? one_text_of(GetParam()) : "");
     EXPECT_EQ(text_in(all_reduce(ranks, own, joined)), one_text_of(GetParam())) << "rank " << ranks.rank();
@@ -96,7 +96,7 @@ TEST_P(TreeOfRanks, MergesInTheOrderOfTheRanks) {
 
 TEST_P(TreeOfRanks, HandsDownWhatTheLeaderGives) {
   ThreadRanks all(GetParam());
-  all.run_on_all([&](Communicator& ranks) {
+  all.run([&](Communicator& ranks) {
     for (std::string_view const text : {"forward", "", "back"}) {
       EXPECT_EQ(text_in(broadcast(ranks, message_with(ranks.rank() == 0 ? text : "nobody hears this"))), text);
     }

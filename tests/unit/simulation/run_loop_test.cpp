@@ -44,9 +44,7 @@ class Ticking final : public Simulation {
   }
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override { return {}; }
-  [[nodiscard]] std::unique_ptr<FrameSource> frame_source() const override {
-    return frame_source_of(box_, clock_, 0, agents_);
-  }
+  void give_frame(UseFrame const& use) const override { use(*frame_source_of(box_, clock_, 0, agents_)); }
   void serialize(Archive& archive) override {
     archive.visit("step", clock_.step);
     archive.visit("time", clock_.time);

@@ -61,12 +61,13 @@ TEST(FrameSchedule, RefusesWhatIsNoStepOrTime) {
 
 TEST(Trajectory, HoldsOnlyTheColumnsAskedForAndRefusesOthers) {
   State const nobody;
-  std::unique_ptr<FrameSource> const chosen = with_columns(frame_source_of(nobody), " radius  x ");
+  std::unique_ptr<FrameSource> const all = frame_source_of(nobody);
+  std::unique_ptr<FrameSource> const chosen = with_columns(*all, " radius  x ");
   ASSERT_EQ(chosen->columns().size(), 2U);
   EXPECT_EQ(chosen->columns()[0].name, "x");
   EXPECT_EQ(chosen->columns()[1].name, "radius");
-  EXPECT_EQ(with_columns(frame_source_of(nobody), "all")->columns(), frame_of(nobody).columns);
-  EXPECT_THROW(with_columns(frame_source_of(nobody), "x colour"), Error);
+  EXPECT_EQ(with_columns(*all, "all")->columns(), frame_of(nobody).columns);
+  EXPECT_THROW(with_columns(*all, "x colour"), Error);
 }
 
 Setup setup_with_frames(TrajectorySettings const& trajectory = {.every = 10}) {

@@ -7,7 +7,6 @@
 #include "gridlock/core/world.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/model/agent_sums.hpp"
-#include "gridlock/parallel/share_of_rows.hpp"
 
 namespace gridlock {
 
@@ -30,15 +29,6 @@ template <class Model>
 consteval bool has_first_agents() {
   return requires(Model const& model, World<Model> const& world) {
     model.first_agent(world, 0);
-    model.agents_at_start();
-  };
-}
-
-/// Whether each of several processes makes some of the first agents, Model::start() of a share.
-template <class Model>
-consteval bool has_shared_start() {
-  return requires(Model const& model, World<Model>& world, ShareOfRows const& share) {
-    model.start(world, share);
     model.agents_at_start();
   };
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 #include <vector>
 
@@ -8,10 +10,9 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/observe/detail/id_index.hpp"
+#include "gridlock/parallel/detail/agent_homes.hpp"
 
 namespace gridlock {
-
-class Communicator;
 
 /// A value for each agent that was there at one time, such as its site at the start: it is found again by the Id of the
 /// agent, wherever its row is by then.
@@ -51,9 +52,33 @@ class Attached {
     for (std::size_t row = 0; row < column.size(); ++row) values_[agents_.place_of_row(row)].*member = column[row];
   }
 
-  /// The values go to the processes that have the agents now; each process calls it. See src/observe/migrate.hpp, which
-  /// defines it.
-  void migrate(Communicator& processes);
+  /// The values go to the processes that have the agents now. All call it.
+  void migrate(AllProcesses processes) {
+    struct Entry {
+      Id id;
+      Value value;
+    };
+    std::vector<Entry> arrived;
+    exchange_rows(processes,
+                  {.count = values_.size(),
+                   .bytes_of_row = sizeof(Entry),
+                   .process_of = [&](std::size_t k) { return home_of(agents_.id_at(k), processes.count()); },
+                   .write =
+                       [&](std::size_t k, std::byte* to) {
+                         Entry const entry{agents_.id_at(k), values_[k]};
+                         std::memcpy(to, &entry, sizeof(entry));
+                       },
+                   .reserve = [&](std::uint64_t count) { arrived.reserve(count); },
+                   .read = [&](std::byte const* from) { std::memcpy(&arrived.emplace_back(), from, sizeof(Entry)); }});
+    std::ranges::sort(arrived, {}, &Entry::id);
+    std::vector<Id> ids;
+    values_.clear();
+    for (Entry const& entry : arrived) {
+      ids.push_back(entry.id);
+      values_.push_back(entry.value);
+    }
+    agents_ = IdIndex(ids);
+  }
 
  private:
   IdIndex agents_;

@@ -22,7 +22,7 @@ class ObservableSet {
   [[nodiscard]] std::vector<Distribution> distributions() const;
   void serialize(Archive& archive);
   /// See Observable::migrate().
-  void migrate(Communicator& processes);
+  void migrate(AllProcesses processes);
 
  private:
   struct Entry {

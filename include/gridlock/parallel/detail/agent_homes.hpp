@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -12,8 +12,7 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/population.hpp"
-#include "gridlock/parallel/communicator.hpp"
-#include "gridlock/parallel/detail/exchange.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
 
 namespace gridlock {
 
@@ -22,26 +21,27 @@ namespace gridlock {
 /// grows.
 inline std::size_t home_of(Id id, std::size_t ranks) { return static_cast<std::size_t>(id & 0xFFFFFFFFU) % ranks; }
 
-/// How many agents come to this rank, where each sends so many to each rank. All call it.
-std::uint64_t count_of_arrivals(Communicator& ranks, std::vector<std::uint64_t> leaving);
+/// Cuts all agents in the order of their Ids into a block for each process, of as many each: the first Id of each block.
+/// `own` are those of this process, in order. All call it. Cost: a round of messages for each bit of the largest Id.
+std::vector<Id> first_ids_of_blocks(AllProcesses processes, std::span<Id const> own);
 
-/// Cuts all agents in the order of their Ids into a block for each rank, of as many each: the first Id of each block.
-/// `own` are those of this rank, in order. All call it. Cost: a round of messages for each bit of the largest Id.
-std::vector<Id> first_ids_of_blocks(Communicator& ranks, std::span<Id const> own);
+/// Rows of so many bytes, as exchange_rows() takes them and gives them.
+struct RowsOfBytes {
+  std::size_t count = 0;
+  std::size_t bytes_of_row = 0;
+  std::function<std::size_t(std::size_t row)> process_of;  ///< to which each goes
+  std::function<void(std::size_t row, std::byte* to)> write;
+  std::function<void(std::uint64_t count)> reserve;  ///< for so many that come
+  std::function<void(std::byte const* row)> read;    ///< one that has come
+};
+
+/// Each process sends its rows to where they belong, and reads those that have come. All call it.
+void exchange_rows(AllProcesses processes, RowsOfBytes const& rows);
 
 template <class... Values>
 constexpr std::size_t bytes_of_values(std::tuple<Values...> const* /*values*/) {
   return (sizeof(Values) + ... + 0);
 }
-
-/// An agent in a message.
-template <class Agents>
-struct SentAgent {
-  static constexpr std::size_t bytes = bytes_of_values(static_cast<typename Agents::Values const*>(nullptr));
-
-  Id id;
-  std::array<std::byte, bytes> values;
-};
 
 /// Rows of agents without an order.
 template <class Agents>
@@ -50,38 +50,41 @@ struct AgentRows {
   typename Agents::AllValues values;
 };
 
-/// Each rank sends its agents to where they belong, rank_of(row), and gets those that have come. All call it.
-template <class Agents, class RankOf>
-AgentRows<Agents> exchanged_agents(Communicator& ranks, std::span<Id const> ids,
-                                   typename Agents::AllValues const& values, RankOf rank_of) {
+/// Each process sends its agents to where they belong, process_of(row), and gets those that have come. All call it.
+template <class Agents, class ProcessOf>
+AgentRows<Agents> exchanged_agents(AllProcesses processes, std::span<Id const> ids,
+                                   typename Agents::AllValues const& values, ProcessOf process_of) {
   AgentRows<Agents> arrived;
-  std::vector<std::uint64_t> leaving(ranks.count(), 0);
-  for (std::size_t row = 0; row < ids.size(); ++row) ++leaving[rank_of(row)];
-  std::uint64_t const count = count_of_arrivals(ranks, std::move(leaving));
-  // With room for those of a rim and for newborn: an array that grows is doubled.
-  std::uint64_t const room = count + count / 8;
-  arrived.ids.reserve(room);
-  arrived.values.for_each_column([&](auto& column) { column.reserve(room); });
-  exchange_values<SentAgent<Agents>>(
-      ranks, ids.size(),
-      [&](std::size_t row, auto give) {
-        SentAgent<Agents> agent{.id = ids[row], .values = {}};
-        std::byte* at = agent.values.data();
-        values.for_each_column([&](auto const& column) {
-          std::memcpy(at, &column[row], sizeof(column[row]));
-          at += sizeof(column[row]);
-        });
-        give(rank_of(row), agent);
-      },
-      [&](SentAgent<Agents> const& agent) {
-        arrived.ids.push_back(agent.id);
-        std::byte const* at = agent.values.data();
-        arrived.values.for_each_column([&](auto& column) {
-          column.emplace_back();
-          std::memcpy(&column.back(), at, sizeof(column.back()));
-          at += sizeof(column.back());
-        });
-      });
+  exchange_rows(processes,
+                {.count = ids.size(),
+                 .bytes_of_row = sizeof(Id) + bytes_of_values(static_cast<typename Agents::Values const*>(nullptr)),
+                 .process_of = process_of,
+                 .write =
+                     [&](std::size_t row, std::byte* to) {
+                       auto const put = [&](auto const& value) {
+                         std::memcpy(to, &value, sizeof(value));
+                         to += sizeof(value);
+                       };
+                       put(ids[row]);
+                       values.for_each_column([&](auto const& column) { put(column[row]); });
+                     },
+                 .reserve =
+                     [&](std::uint64_t count) {
+                       // With room for those of a rim and for newborn: an array that grows is doubled.
+                       std::uint64_t const room = count + count / 8;
+                       arrived.ids.reserve(room);
+                       arrived.values.for_each_column([&](auto& column) { column.reserve(room); });
+                     },
+                 .read =
+                     [&](std::byte const* from) {
+                       auto const add = [&](auto& column) {
+                         column.emplace_back();
+                         std::memcpy(&column.back(), from, sizeof(column.back()));
+                         from += sizeof(column.back());
+                       };
+                       add(arrived.ids);
+                       arrived.values.for_each_column(add);
+                     }});
   return arrived;
 }
 
@@ -101,9 +104,9 @@ void sort_agents(AgentRows<Agents>& agents) {
 
 /// Brings agents home, in the order of their Ids. All call it.
 template <class Agents>
-void bring_home(Communicator& ranks, AgentRows<Agents>& agents) {
-  agents = exchanged_agents<Agents>(ranks, agents.ids, agents.values,
-                                    [&](std::size_t row) { return home_of(agents.ids[row], ranks.count()); });
+void bring_home(AllProcesses processes, AgentRows<Agents>& agents) {
+  agents = exchanged_agents<Agents>(processes, agents.ids, agents.values,
+                                    [&](std::size_t row) { return home_of(agents.ids[row], processes.count()); });
   sort_agents(agents);
 }
 

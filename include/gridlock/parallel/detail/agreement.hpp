@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -9,10 +10,14 @@ namespace gridlock {
 
 /// Does some work on all ranks, which call it together. Contract: where they send messages in between, what keeps one
 /// from its next message keeps all (not checked), or others wait for it for ever.
-/// Errors: Error on all of them where there is one on any, that of the first.
-void agree_on_errors(Communicator& ranks, std::function<void()> const& work);
+/// Errors: where there is an Error or a RunFailure on some rank, or not enough memory, that of the first such rank on
+/// all of them.
+void agree(Communicator& ranks, std::function<void()> const& work);
 
 /// The first text of any rank that is not empty, for all.
 std::string first_text_of_all(Communicator& ranks, std::string const& text);
+
+/// Does work in which ranks exchange messages. Others wait for a rank that fails here, so all end with it.
+void do_or_abandon(Communicator& ranks, std::function<void()> const& work);
 
 }  // namespace gridlock

@@ -26,9 +26,15 @@ class AllProcesses {
   [[nodiscard]] std::size_t rank() const;
   /// The number of processes that share the run.
   [[nodiscard]] std::size_t count() const;
+  /// Whether this process is the root: the one that reads and writes files and talks to the user.
+  [[nodiscard]] bool is_root() const { return rank() == 0; }
 
   void sum(std::span<ExactSum> sums) const;
   void sum(std::span<std::uint64_t> counts) const;
+  [[nodiscard]] std::uint64_t sum(std::uint64_t count) const {
+    sum(std::span(&count, 1));
+    return count;
+  }
   [[nodiscard]] double min(double value) const;
 
   /// Process after process changes one value of all in their order, and all get the result: so sums over rows in their
@@ -40,9 +46,26 @@ class AllProcesses {
     return value;
   }
 
+  /// The value of the root, in all processes.
+  template <class Value>
+  [[nodiscard]] Value of_root(Value value) const {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    broadcast(std::as_writable_bytes(std::span(&value, 1)));
+    return value;
+  }
+
+  /// Does some work in all processes: where it fails in one, all fail alike, see parallel/detail/agreement.hpp.
+  void agree(std::function<void()> const& work) const;
+  /// The same with work of the root alone.
+  void on_root(std::function<void()> const& work) const;
+
+  /// Ends all processes where this one has failed alone and others wait for it.
+  void require_failure_of_all(char const* why) const;
+
   [[nodiscard]] Communicator& communicator() const { return *communicator_; }
 
  private:
+  void broadcast(std::span<std::byte> value) const;
   void take_turns(std::span<std::byte> value, std::function<void()> const& change) const;
 
   Communicator* communicator_;

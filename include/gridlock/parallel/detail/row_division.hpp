@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/parallel/detail/all_processes.hpp"
+
 namespace gridlock {
 
 /// Which rows of all agents each rank has: those of rank 0 come first, then those of rank 1.
@@ -19,12 +21,6 @@ class RowDivision {
     for (std::uint64_t rank = 0; rank <= ranks; ++rank) {
       begins.push_back(rows / ranks * rank + std::min(rows % ranks, rank));
     }
-    return RowDivision(std::move(begins));
-  }
-  /// The leader has all.
-  static RowDivision of_leader(std::uint64_t rows, std::size_t ranks) {
-    std::vector<std::uint64_t> begins(ranks + 1, rows);
-    begins.front() = 0;
     return RowDivision(std::move(begins));
   }
   explicit RowDivision(std::vector<std::uint64_t> begins) : begins_(std::move(begins)) {}
@@ -43,5 +39,8 @@ class RowDivision {
  private:
   std::vector<std::uint64_t> begins_{0};
 };
+
+/// The division in which each rank has so many rows. All call it.
+RowDivision division_of(AllProcesses processes, std::size_t own);
 
 }  // namespace gridlock

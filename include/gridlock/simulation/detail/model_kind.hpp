@@ -17,8 +17,6 @@ namespace gridlock {
 struct Configuration;
 struct Setup;
 struct SetupOptions;
-class AgentsOfRank;
-class Communicator;
 
 /// A table of settings, `[name]`.
 struct SettingTable {
@@ -63,12 +61,6 @@ class ModelKind {
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
   /// The part of a run that several processes cannot share, its setting and a hint; nothing where they can share all.
   [[nodiscard]] virtual std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const;
-  /// Whether several processes divide the agents, so that none has all of them.
-  [[nodiscard]] virtual bool is_divided_among_ranks(Configuration const& /*configuration*/) const { return false; }
-  /// What another process than the leader has of such a run, see DividedSimulation. Contract: is_divided_among_ranks().
-  /// Errors: Error, on all ranks.
-  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> agents_of_rank(Communicator& ranks,
-                                                                     Configuration const& configuration) const = 0;
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
   /// Whether a run can be given a length in collisions.
@@ -87,7 +79,7 @@ class ModelKind {
   /// Refuses settings with which no run is possible, as far as that is plain without a start. Errors: Error.
   virtual void check(Configuration const& configuration) const = 0;
   /// Fills in what was left out of setup.configuration, makes the simulation, and notes what is worth telling.
-  /// Errors: Error.
+  /// All processes that share the run call it. Errors: Error, in all of them.
   virtual void build(Setup& setup, SetupOptions const& options) const = 0;
 
  protected:

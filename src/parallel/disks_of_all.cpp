@@ -1,0 +1,111 @@
+#include "parallel/disks_of_all.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/detail/message.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Rows in one message.
+constexpr std::uint64_t rows_of_message = std::uint64_t{1} << 15;
+
+/// Rows that come one after the other, until they are a population.
+class ComingRows {
+ public:
+  explicit ComingRows(std::size_t rows) {
+    ids_.resize(rows);
+    values_.resize(rows);
+  }
+  void add(DiskRow const& row) {
+    ids_[next_] = row.id;
+    values_.put(next_, {row.x, row.y, row.velocity_x, row.velocity_y, row.radius, row.mass, row.image_x, row.image_y});
+    ++next_;
+  }
+  [[nodiscard]] bool are_all_here() const { return next_ == ids_.size(); }
+  [[nodiscard]] Disks take() {
+    Disks disks;
+    disks.become(ids_, values_);
+    return disks;
+  }
+
+ private:
+  LargeArray<Id> ids_;
+  Disks::AllValues values_;
+  std::size_t next_ = 0;
+};
+
+DiskRow row_of(Disks const& disks, std::size_t i) {
+  return {.id = disks.ids()[i],
+          .x = disks.column<X>()[i],
+          .y = disks.column<Y>()[i],
+          .velocity_x = disks.column<VelocityX>()[i],
+          .velocity_y = disks.column<VelocityY>()[i],
+          .radius = disks.column<Radius>()[i],
+          .mass = disks.column<Mass>()[i],
+          .image_x = disks.column<ImageX>()[i],
+          .image_y = disks.column<ImageY>()[i]};
+}
+
+/// The root sends another rank its rows.
+void send_rows(Communicator& ranks, std::size_t rank, RowDivision const& rows,
+               std::function<DiskRow(std::uint64_t k)> const& row_of) {
+  std::vector<DiskRow> piece;
+  for (std::uint64_t k = rows.first(rank); k < rows.end(rank); ++k) {
+    piece.push_back(row_of(k));
+    if (piece.size() < rows_of_message && k + 1 < rows.end(rank)) continue;
+    ranks.send(rank, message_of_all(std::span<DiskRow const>(piece)));
+    piece.clear();
+  }
+}
+
+}  // namespace
+
+Disks disks_of(std::span<DiskRow const> rows) {
+  ComingRows all(rows.size());
+  for (DiskRow const& row : rows) all.add(row);
+  return all.take();
+}
+
+DisksOverview overview_of_all(Disks const& own, AllProcesses processes) {
+  DisksOverview all;
+  for (Message const& bytes : all_gather(processes.communicator(), message_of(overview_of(own)))) {
+    all.add(MessageReader(bytes).next<DisksOverview>());
+  }
+  return all;
+}
+
+Disks deal_out(AllProcesses processes, std::uint64_t count, std::function<DiskRow(std::uint64_t k)> const& row_of) {
+  Communicator& ranks = processes.communicator();
+  RowDivision const rows = RowDivision::even(processes.of_root(count), ranks.count());
+  ComingRows own(rows.rows_of(ranks.rank()));
+  if (ranks.rank() == 0) {
+    for (std::uint64_t k = 0; k < rows.end(0); ++k) own.add(row_of(k));
+    for (std::size_t rank = 1; rank < ranks.count(); ++rank) send_rows(ranks, rank, rows, row_of);
+  }
+  while (!own.are_all_here()) {
+    Message const bytes = ranks.receive(0);
+    for (DiskRow const& row : MessageReader(bytes).rest<DiskRow>()) own.add(row);
+  }
+  return own.take();
+}
+
+State deal_out(AllProcesses processes, State whole) {
+  if (processes.count() == 1) return whole;
+  std::vector<std::uint32_t> const order = rows_in_order(whole.agents.ids());
+  return {.box = processes.of_root(whole.box),
+          .agents = deal_out(processes, order.size(), [&](std::uint64_t k) { return row_of(whole.agents, order[k]); }),
+          .clock = processes.of_root(whole.clock),
+          .seed = processes.of_root(whole.seed)};
+}
+
+}  // namespace gridlock
