@@ -77,6 +77,18 @@ class EndOfWork {
   std::exception_ptr thrown_;
 };
 
+/// Throws as the first rank has that has thrown.
+void fail_as(Communicator& ranks, std::vector<Message> const& ends, EndOfWork const& own) {
+  ranks.note_agreement(false);
+  for (std::size_t rank = 0; rank < ends.size(); ++rank) {
+    if (MessageReader(ends[rank]).next<Ending>() == Ending::good) continue;
+    ranks.note_agreement(true);
+    // The root knows more of its own failure than a message says.
+    if (rank == 0 && ranks.rank() == 0) std::rethrow_exception(own.thrown());
+    EndOfWork::rethrow(ends[rank]);
+  }
+}
+
 }  // namespace
 
 void agree(Communicator& ranks, std::function<void()> const& work) {
@@ -85,14 +97,19 @@ void agree(Communicator& ranks, std::function<void()> const& work) {
     return;
   }
   EndOfWork const own(ranks, work);
-  std::vector<Message> const all = all_gather(ranks, own.message());
-  ranks.note_agreement(false);
-  for (std::size_t rank = 0; rank < all.size(); ++rank) {
-    if (MessageReader(all[rank]).next<Ending>() == Ending::good) continue;
-    ranks.note_agreement(true);
-    if (rank == ranks.rank() && rank == 0) std::rethrow_exception(own.thrown());
-    EndOfWork::rethrow(all[rank]);
+  fail_as(ranks, all_gather(ranks, own.message()), own);
+}
+
+void on_root(Communicator& ranks, std::function<void()> const& work) {
+  if (ranks.count() == 1) {
+    work();
+    return;
   }
+  bool const is_root = ranks.rank() == 0;
+  EndOfWork const own(ranks, is_root ? work : [] {});
+  std::vector<Message> of_root;
+  of_root.push_back(broadcast(ranks, own.message()));
+  fail_as(ranks, of_root, own);
 }
 
 std::string first_text_of_all(Communicator& ranks, std::string const& text) {

@@ -149,13 +149,12 @@ bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callb
   processes.on_root([&] {
     if (failure_of_listener) std::rethrow_exception(failure_of_listener);
     look.is_callback_due = is_callback_due();
+    if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);
+    look.is_stopped = is_stopped;
   });
   look = processes.of_root(look);
   if (look.is_callback_due) callback.call(steps_done());
-  processes.on_root([&] {
-    if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);
-  });
-  return !processes.of_root(is_stopped);
+  return !look.is_stopped;
 }
 
 void Run::note_time() {

@@ -14,6 +14,9 @@ namespace gridlock {
 /// all of them.
 void agree(Communicator& ranks, std::function<void()> const& work);
 
+/// The same with work of the root alone. All call it.
+void on_root(Communicator& ranks, std::function<void()> const& work);
+
 /// The first text of any rank that is not empty, for all.
 std::string first_text_of_all(Communicator& ranks, std::string const& text);
 
