@@ -106,7 +106,8 @@ void on_root(Communicator& ranks, std::function<void()> const& work) {
     return;
   }
   bool const is_root = ranks.rank() == 0;
-  EndOfWork const own(ranks, is_root ? work : [] {});
+  EndOfWork const own(
+      ranks, is_root ? work : [] {});
   std::vector<Message> of_root;
   of_root.push_back(broadcast(ranks, own.message()));
   fail_as(ranks, of_root, own);
