@@ -3,7 +3,6 @@
 #include <mpi.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -59,8 +58,6 @@ int gridlock::mpi_command_line(int argc, char** argv) {
   gridlock::cli::set_program_name_of(argc, argv);
   if (std::optional<int> const exit_code = gridlock::mpi::watch_rank()) return *exit_code;
   return_large_memory();
-  // A file at its limit is an error like that of a full disk.
-  std::signal(SIGXFSZ, SIG_IGN);
   // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
   int granted = 0;
   if (MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &granted) != MPI_SUCCESS) return EXIT_FAILURE;

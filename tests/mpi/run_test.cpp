@@ -456,30 +456,6 @@ TEST_F(MpiRun, LeavesNoRankBehindWhoseWatcherIsKilled) {
   }
 }
 
-/// A program of which one rank can write no file of more than some blocks, as on a full disk.
-Outcome with_small_files(Workplace const& workplace, int rank, std::vector<std::string> const& arguments) {
-  std::string const command = "[ $OMPI_COMM_WORLD_RANK != " + std::to_string(rank) + " ] || ulimit -f 8; exec \"$@\"";
-  return mpirun(workplace,
-                std::vector<std::string>{"-n", "3", "/bin/sh", "-c", command, "sh", GRIDLOCK_MPI_PROGRAM} + arguments)
-      .wait();
-}
-
-TEST_F(MpiRun, GoesOnWhereARankCannotSaveItsPart) {
-  write(workplace_ / "r.toml", run_toml("300", "[checkpoint]\nevery_steps = 50\n"));
-  expect_good(in(workplace_, run_into("alone")));
-  Outcome const outcome = with_small_files(workplace_, 1, run_into("out"));
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("rank 1: "), std::string::npos) << outcome.err;
-  expect_same_results("alone", "out");
-}
-
-TEST_F(MpiRun, EndsWhereTheRankThatWritesCannot) {
-  write(workplace_ / "r.toml", run_toml("300", "[checkpoint]\nevery_steps = 50\n"));
-  Outcome const outcome = with_small_files(workplace_, 0, run_into("out"));
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-  EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
-}
-
 TEST_F(MpiRun, MakesARunLonger) {
   write(workplace_ / "r.toml", run_toml("200"));
   expect_good(on_ranks(workplace_, 2, run_into("out")));
