@@ -19,7 +19,7 @@ namespace {
 using test::ThreadRanks;
 
 /// Rows of one process, and a step that all have.
-struct Rows {
+struct SavedRows {
   std::uint64_t step = 0;
   std::vector<std::uint64_t> rows;
   std::string failure = {};  ///< why they cannot be saved
@@ -32,10 +32,10 @@ struct Rows {
 };
 
 /// What each of three processes gets back; the step is 0 where there is nothing to restore.
-std::vector<Rows> restored(std::filesystem::path const& directory) {
-  std::vector<Rows> parts(3);
+std::vector<SavedRows> restored(std::filesystem::path const& directory) {
+  std::vector<SavedRows> parts(3);
   ThreadRanks(3).run([&](Communicator& here) {
-    Rows& own = parts[here.rank()];
+    SavedRows& own = parts[here.rank()];
     static_cast<void>(restore_checkpoint_of_all(
         directory, [&](Archive& archive) { own.serialize(archive); }, here));
   });
@@ -45,12 +45,12 @@ std::vector<Rows> restored(std::filesystem::path const& directory) {
 TEST(CheckpointOfAll, GivesEachProcessAsManyRows) {
   TemporaryDirectory const directory;
   ThreadRanks(2).run([&](Communicator& here) {
-    Rows own{.step = 7,
-             .rows = here.rank() == 0 ? std::vector<std::uint64_t>{0, 1, 2, 3, 4} : std::vector<std::uint64_t>{5}};
+    SavedRows own{.step = 7,
+                  .rows = here.rank() == 0 ? std::vector<std::uint64_t>{0, 1, 2, 3, 4} : std::vector<std::uint64_t>{5}};
     write_checkpoint_of_all(
         directory.path(), [&](Archive& archive) { own.serialize(archive); }, here);
   });
-  std::vector<Rows> const parts = restored(directory.path());
+  std::vector<SavedRows> const parts = restored(directory.path());
   for (std::size_t rank = 0; rank < 3; ++rank) {
     EXPECT_EQ(parts[rank].step, 7U);
     EXPECT_EQ(parts[rank].rows, (std::vector<std::uint64_t>{2 * rank, 2 * rank + 1}));
@@ -61,7 +61,7 @@ TEST(CheckpointOfAll, FailsInAllProcessesWhereOneCannotSaveItsRowsAndLeavesTheOn
   TemporaryDirectory const directory;
   for (std::uint64_t const step : {1U, 2U}) {
     ThreadRanks(3).run([&](Communicator& here) {
-      Rows own{.step = step, .rows = {10 * step + here.rank()}};
+      SavedRows own{.step = step, .rows = {10 * step + here.rank()}};
       if (step == 2 && here.rank() == 1) own.failure = "no space left on the device";
       std::string why;
       try {
@@ -73,7 +73,7 @@ TEST(CheckpointOfAll, FailsInAllProcessesWhereOneCannotSaveItsRowsAndLeavesTheOn
       EXPECT_EQ(why, step == 2 ? "rank 1: no space left on the device" : "") << "rank " << here.rank();
     });
   }
-  std::vector<Rows> const parts = restored(directory.path());
+  std::vector<SavedRows> const parts = restored(directory.path());
   for (std::size_t rank = 0; rank < 3; ++rank) {
     EXPECT_EQ(parts[rank].step, 1U);
     EXPECT_EQ(parts[rank].rows, std::vector<std::uint64_t>{10 + rank});
