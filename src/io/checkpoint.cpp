@@ -376,7 +376,7 @@ CheckpointPart write_checkpoint_part(fs::path const& directory, CheckpointShare 
                                      SerializeAll const& serialize) {
   SavingArchive archive(Saved::rows);
   serialize(archive);
-  CheckpointPart const part{.checksum = archive.members().checksum(), .lengths = archive.lengths()};
+  CheckpointPart part{.checksum = archive.members().checksum(), .lengths = archive.lengths()};
   AtomicFile file(directory / name_of_part(share.part, part));
   append_to(file, checkpoint::whole_version, archive.members());
   file.commit();

@@ -18,9 +18,10 @@ namespace {
 class WithMomenta final : public FrameSource {
  public:
   explicit WithMomenta(FrameSource const& frame)
-      : FrameSource(head_of(frame), frame.size()), frame_(frame), masses_(reals(frame, Mass::name)) {
-    velocities_ = velocities_of(frame);
-  }
+      : FrameSource(head_of(frame), frame.size()),
+        frame_(frame),
+        masses_(reals(frame, Mass::name)),
+        velocities_(velocities_of(frame)) {}
 
   [[nodiscard]] std::vector<Id> ids(std::size_t first, std::size_t count) const override {
     return frame_.ids(first, count);

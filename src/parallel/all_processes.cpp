@@ -22,9 +22,7 @@ double AllProcesses::min(double value) const { return all_min(*communicator_, va
 
 void AllProcesses::agree(std::function<void()> const& work) const { gridlock::agree(*communicator_, work); }
 
-void AllProcesses::on_root(std::function<void()> const& work) const {
-  gridlock::on_root(*communicator_, work);
-}
+void AllProcesses::on_root(std::function<void()> const& work) const { gridlock::on_root(*communicator_, work); }
 
 void AllProcesses::require_failure_of_all(char const* why) const {
   if (count() > 1 && !communicator_->have_all_failed()) communicator_->abandon(why);

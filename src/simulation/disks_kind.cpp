@@ -129,11 +129,10 @@ std::vector<Event> notes_on_ends(std::vector<StageSettings> const& stages) {
     if (stage.until_packing_fraction && stage.until_pressure) ends = "until_packing_fraction and until_pressure";
     if (stage.until_time && stage.collisions_per_disk) ends = "until_time and collisions_per_disk";
     if (ends == nullptr) continue;
-    notes.push_back({.kind = EventKind::stage_with_two_ends,
-                     .key = fmt::format("protocol[{}]", k),
-                     .values = {{"stage", static_cast<std::uint64_t>(k + 1)},
-                                {"name", stage.kind},
-                                {"ends", std::string(ends)}}});
+    notes.push_back(
+        {.kind = EventKind::stage_with_two_ends,
+         .key = fmt::format("protocol[{}]", k),
+         .values = {{"stage", static_cast<std::uint64_t>(k + 1)}, {"name", stage.kind}, {"ends", std::string(ends)}}});
   }
   return notes;
 }

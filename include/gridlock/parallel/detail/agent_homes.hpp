@@ -61,9 +61,10 @@ AgentRows<Agents> exchanged_agents(AllProcesses processes, std::span<Id const> i
                  .process_of = process_of,
                  .write =
                      [&](std::size_t row, std::byte* to) {
+                       std::byte* at = to;
                        auto const put = [&](auto const& value) {
-                         std::memcpy(to, &value, sizeof(value));
-                         to += sizeof(value);
+                         std::memcpy(at, &value, sizeof(value));
+                         at += sizeof(value);
                        };
                        put(ids[row]);
                        values.for_each_column([&](auto const& column) { put(column[row]); });
@@ -77,10 +78,11 @@ AgentRows<Agents> exchanged_agents(AllProcesses processes, std::span<Id const> i
                      },
                  .read =
                      [&](std::byte const* from) {
+                       std::byte const* at = from;
                        auto const add = [&](auto& column) {
                          column.emplace_back();
-                         std::memcpy(&column.back(), from, sizeof(column.back()));
-                         from += sizeof(column.back());
+                         std::memcpy(&column.back(), at, sizeof(column.back()));
+                         at += sizeof(column.back());
                        };
                        add(arrived.ids);
                        arrived.values.for_each_column(add);
