@@ -78,6 +78,8 @@ class WorldSimulation : public Simulation {
     serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });
     // A file can hold anything.
     if (archive.is_restoring()) engine_->require_valid(world_);
+    // Those of other processes are added by take_restored().
+    agents_ = archive.is_restoring() ? world_.agents.size() : agents_;
     serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
     serialize_inside(archive, "engine", [&] { engine_->serialize(archive, world_); });
     observables_.serialize(archive);

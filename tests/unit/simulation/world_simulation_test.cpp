@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/simulate.hpp"
+#include "io/checkpoint.hpp"
 #include "models/epidemic.hpp"
 
 namespace gridlock {
@@ -117,6 +119,29 @@ TEST(WorldSimulation, KeepsWhatAModelObservesWhereAnObservableHasTheSameName) {
   run.advance();
   EXPECT_EQ(run.record().series.numbers("mean_displacement"), std::vector<double>(5, 42.0));
   EXPECT_TRUE(has_column(simulation, "local_bond_orientation_order"));
+}
+
+/// Agents that have a child in every step.
+struct Growing {
+  static constexpr std::string_view name = "growing";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  using Agents = Population<X, Y>;
+  [[nodiscard]] double cutoff() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 1.0; }
+  void start(World<Growing>& world) const { world.agents.add(1.0, 0.5); }
+  void turn(Turn<Growing>& self) const { self.give_birth(self.position().x, self.position().y); }
+};
+
+TEST(WorldSimulation, HasTheAgentsAndTheHashOfTheTimeToWhichItGoesBack) {
+  ModelSimulation<Growing> simulation({}, Box(20.0, 1.0, Edge::wall), 1);
+  simulation.advance({.step = 3});
+  std::uint64_t const hash = simulation.state_hash();
+  std::string const saved = to_checkpoint([&](Archive& archive) { simulation.serialize(archive); });
+  simulation.advance({.step = 6});
+  EXPECT_EQ(simulation.agents(), 64U);
+  from_checkpoint(saved, "saved", [&](Archive& archive) { simulation.serialize(archive); });
+  EXPECT_EQ(simulation.agents(), 8U);
+  EXPECT_EQ(simulation.state_hash(), hash);
 }
 
 }  // namespace
