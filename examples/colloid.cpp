@@ -1,4 +1,5 @@
-// The paper's rule for hard disks as a model on one page, colloid.hpp: it takes every disk to the same bits as the engine.
+// The paper's rule for hard disks as a model on one page, colloid.hpp: it takes every disk to the same bits as the
+// engine.
 #include "colloid.hpp"
 
 #include <cstdint>

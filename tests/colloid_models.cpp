@@ -1,4 +1,5 @@
-// The paper's rule as a model is an example that Gridlock does not ship. Tests run it from settings, beside the engines.
+// The paper's rule as a model is an example that Gridlock does not ship. Tests run it from settings, beside the
+// engines.
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 
 namespace gridlock {
 
-/// The paper's rule tile by tile, in the cells of the engine `tiled`: model and engine have the same bits, and each proves
-/// the other.
+/// The paper's rule tile by tile, in the cells of the engine `tiled`: model and engine have the same bits, and each
+/// proves the other.
 struct TiledColloid : ColloidRule<TiledColloid> {
   static constexpr Schedule schedule = Schedule::tiled;
   static constexpr std::string_view name = "colloid_tiled";

@@ -95,7 +95,7 @@ std::string vtp_text(FrameSource const& frame) {
       frame.size(), data, points, VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
 }
 
-/// Where the frames lie that the file lists.
+/// The directory of the frames that the file lists.
 fs::path vtk_directory(fs::path const& file) { return file.parent_path() / file.stem(); }
 
 fs::path vtk_file(fs::path const& file, std::uint64_t step) {

@@ -17,14 +17,15 @@ struct StartFile {
   std::function<void(StartFileSummary const&)> take_summary;
 };
 
-/// What one of several ranks has of a start file: its rows in the order of the Ids of all.
+/// The part of a start file that one of several ranks has: its rows in the order of the Ids of all.
 struct RowsOfFile {
   State own;  ///< with the box and the clock of the file
   bool has_velocities = false;
 };
 
 /// The root reads the file piece by piece and hands it out: no rank ever has all rows. The Ids may be in any order;
-/// ranks sort them. All call it. Errors: Error on all of them: those of read_xyz(), with their place, and of take_summary.
+/// ranks sort them. All call it. Errors: Error on all of them: those of read_xyz(), with their place, and of
+/// take_summary.
 RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const& file);
 
 }  // namespace gridlock

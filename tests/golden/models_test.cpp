@@ -1,4 +1,5 @@
-// The bits of the shipped models and of the tiled one of the examples, for ever, on 1, 2, 3 and 8 threads; how to accept others: see hashes_test.cpp.
+// The bits of the shipped models and of the paper's rule tile by tile, for ever, on 1, 2, 3 and 8 threads.
+// hashes_test.cpp says how to accept others.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -307,7 +307,7 @@ TEST_F(DividedDisksTest, FailTogetherWhereTheRootCannotWrite) {
     test::ThreadRanks(3).run([&](Communicator& here) {
       RunHooks hooks;
       hooks.on_progress = [&](Progress const& progress) {
-        // Where frames go, a directory comes into the way while the run goes on.
+        // A directory comes into the way of a result while the run goes on.
         if (here.rank() == 0 && progress.steps >= 100 && !fs::exists(directory / "series.csv")) {
           fs::create_directories(directory / "series.csv" / "of_the_user");
         }

@@ -80,7 +80,7 @@ std::unique_ptr<FrameSource> frame_source_of(World<Model> const& world) {
 /// A frame that must outlive its source.
 std::unique_ptr<FrameSource> frame_source_of(Frame const& frame);
 
-/// What is done with a frame.
+/// The use that somebody makes of a frame.
 using UseFrame = std::function<void(FrameSource const&)>;
 
 /// The same with these columns only, by their places, in this order. The frame must outlive it.

@@ -129,20 +129,14 @@ std::uint64_t hash(World<Model> const& world) {
 /// Serializes every bit. Errors: Error where what is restored is no clock, box or world.
 void serialize(Archive& archive, Clock& clock);
 void serialize(Archive& archive, Box& box);
-/// A world whose agents `serialize_agents()` serializes.
-template <class Model, class SerializeAgents>
-void serialize(Archive& archive, World<Model>& world, SerializeAgents serialize_agents) {
+template <class Model>
+void serialize(Archive& archive, World<Model>& world) {
   serialize_inside(archive, "box", [&] { serialize(archive, world.box); });
   serialize_inside(archive, "clock", [&] { serialize(archive, world.clock); });
   archive.visit("seed", world.seed);
-  serialize_inside(archive, "agents", serialize_agents);
+  serialize_inside(archive, "agents", [&] { world.agents.serialize(archive); });
   serialize_inside(archive, "events", [&] {
     for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
   });
 }
-template <class Model>
-void serialize(Archive& archive, World<Model>& world) {
-  serialize(archive, world, [&] { world.agents.serialize(archive); });
-}
-
 }  // namespace gridlock

@@ -108,7 +108,7 @@ struct DiskAtStart {
 /// are found.
 class StartOfDisks {
  public:
-  /// Where disk number i is.
+  /// The site of disk number i.
   using SiteOf = std::function<Vector(std::size_t i)>;
 
   /// Errors: those of make_start().
@@ -138,7 +138,7 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 /// maxwell: each component normal with variance kT/m, kT = v_max²/4 in units of mass 1.
 /// Removing the drift subtracts Σ m v / Σ m from every velocity; automatic does so for two disks or more in a periodic
 /// box, where nothing else would ever stop it.
-/// Where processes share the disks, `state` has those of this one, in the order of the Ids, and all call it.
+/// All processes that share the disks call it; `state` has those of this one, in the order of the Ids.
 /// Errors: Error for kind = file, since there is no file here, and for a largest speed below 10⁻⁶⁰ that is not 0.
 void draw_velocities(State& state, VelocitySettings const& settings, AllProcesses processes = {});
 

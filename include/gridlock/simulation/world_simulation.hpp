@@ -25,7 +25,7 @@ namespace gridlock {
 template <class Model>
 class WorldSimulation : public Simulation {
  public:
-  /// Where processes share it, `world` has the agents of this one, and the engine is one of all.
+  /// `world` has the agents of this process; the engine is one of all processes that share it.
   WorldSimulation(std::unique_ptr<EngineFor<Model>> engine, World<Model>&& world, AllProcesses processes = {})
       : world_(std::move(world)), engine_(std::move(engine)), processes_(processes) {
     count_agents();

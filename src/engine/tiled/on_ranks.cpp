@@ -29,37 +29,6 @@ namespace tiled {
 
 namespace {
 
-/// What ranks have counted in some steps, and whether one of them is to stop.
-struct Answer {
-  bool is_stop_asked = false;
-  std::vector<CountersOfStep> counters;  ///< of each step
-
-  [[nodiscard]] Message message() const {
-    MessageWriter message;
-    message.add(is_stop_asked);
-    for (CountersOfStep const& of_step : counters) of_step.write(message);
-    return message.take();
-  }
-  static Answer read(Message const& bytes) {
-    MessageReader message(bytes);
-    Answer answer{.is_stop_asked = message.next<bool>(), .counters = {}};
-    while (!message.is_at_end()) answer.counters.push_back(CountersOfStep::read(message));
-    return answer;
-  }
-};
-
-/// Adds up what all ranks have counted in the last steps.
-Answer answer_of_all(Communicator& ranks, Share& share) {
-  Answer const own{.is_stop_asked = ranks.is_stop_asked(), .counters = share.take_counters()};
-  return Answer::read(all_reduce(ranks, own.message(), [](Message const& left, Message const& right) {
-    Answer sum = Answer::read(left);
-    Answer const others = Answer::read(right);
-    sum.is_stop_asked = sum.is_stop_asked || others.is_stop_asked;
-    for (std::size_t k = 0; k < sum.counters.size(); ++k) sum.counters[k].add(others.counters[k]);
-    return sum.message();
-  }));
-}
-
 /// Each rank sends its disks to where they belong.
 template <class DiskOf, class RankOf, class Take>
 void exchange_disks(Communicator& ranks, std::size_t count, DiskOf disk_of, RankOf rank_of, Take take) {
@@ -182,8 +151,8 @@ StepsTaken take_steps(Communicator& ranks, Share& share, std::uint64_t steps, Co
     share.take_step();
     ++done;
   }
-  Answer const all = answer_of_all(ranks, share);
-  if (all.is_stop_asked) ranks.ask_to_stop();
+  AnswerOfSteps const all =
+      answer_of_all(ranks, {.is_stop_asked = ranks.is_stop_asked(), .failure = {}, .counters = share.take_counters()});
   for (CountersOfStep const& of_step : all.counters) of_step.add_to(counters);
   // A step in which a disk could have jumped over another does not count.
   bool const has_failed = share.jump().has_value();

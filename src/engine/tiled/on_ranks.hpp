@@ -22,7 +22,7 @@ class TiledOnRanks final : public Engine {
   /// Clock and counters are those of all disks.
   void advance(State& own, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
-  /// Of the disks of this rank, but for whether they overlap.
+  /// Looks at each disk of this rank by itself, and at no overlaps.
   void require_valid(State const& own) const override;
   bool take_restored(State& own) override;
 

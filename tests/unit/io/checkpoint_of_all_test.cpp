@@ -31,7 +31,7 @@ struct SavedRows {
   }
 };
 
-/// What each of three processes gets back; the step is 0 where there is nothing to restore.
+/// The rows that each of three processes gets back; the step is 0 where there is nothing to restore.
 std::vector<SavedRows> restored(std::filesystem::path const& directory) {
   std::vector<SavedRows> parts(3);
   ThreadRanks(3).run([&](Communicator& here) {

@@ -103,7 +103,7 @@ std::vector<Rows> shares_of(std::size_t count, std::size_t rows, RandomStream& r
   return shares;
 }
 
-/// What is restored by one of several processes.
+/// The rows that one of several processes restores.
 Rows even_share(std::size_t rank, std::size_t count, std::size_t rows) {
   RowDivision const even = RowDivision::even(rows, count);
   return {even.first(rank), even.end(rank)};

@@ -19,7 +19,7 @@ namespace {
 
 using test::ThreadRanks;
 
-/// What each of four ranks throws where `fails(rank)` is the work of all.
+/// The failure that each of four ranks throws where `fails(rank)` is the work of all.
 template <class Work>
 std::vector<std::string> failures_of(Work fails) {
   constexpr std::size_t count = 4;

@@ -27,7 +27,7 @@
 
 namespace gridlock {
 
-/// What a model says of its steps.
+/// The cutoff, the time step and the cells that a model asks for.
 struct StepsOfModel {
   double cutoff = 0.0;
   double time_step = 0.0;
@@ -58,7 +58,7 @@ class StepsFromHomes {
     CellsOfStep const cells = cells_of_step(order.box(), order.cutoff, order.agents);
     CellLayout layout = fixed_cells.value_or(cells.layout);
     std::vector<Tiling::Rectangle> division = send_to_rectangles(order, layout);
-    // Where agents crowd, ranks can share them fairly in fine cells alone.
+    // Ranks can share a crowd of agents fairly in fine cells alone.
     if constexpr (Model::schedule == Schedule::synchronous) {
       if (cells.finer && is_crowd_of_all(order, layout, division)) {
         layout = *cells.finer;
@@ -72,7 +72,7 @@ class StepsFromHomes {
 
   [[nodiscard]] Share& share() { return *share_; }
 
-  /// What has become of the agents of this rank, in the order of their Ids.
+  /// Sends the agents home, where they are in the order of their Ids.
   void bring_home(bool does_last_step_count, Agents& home) {
     AgentRows<Agents> rows;
     share_->take_agents(does_last_step_count, rows.ids, rows.values);
@@ -129,7 +129,7 @@ class StepsFromHomes {
   EventCounts<Model> events_{};  ///< after them
 };
 
-/// Who dies leaves its name to those who are born.
+/// A dead agent leaves its name to one that is born.
 inline std::vector<Id> names_of_births(FreeNames& names, std::span<Id const> deaths, std::size_t births) {
   for (Id const id : deaths) names.give_back(id);
   std::vector<Id> given(births);
@@ -234,7 +234,7 @@ class ModelOnRanks final : public EngineFor<Model> {
   }
 
   [[nodiscard]] double time_step_of(World<Model> const& own) const override { return steps_of(own).time_step; }
-  /// Of the agents of this rank.
+  /// Looks at the agents of this rank alone.
   void require_valid(World<Model> const& own) const override {
     try {
       ModelEngine<Model>::require_inside(own);

@@ -21,15 +21,9 @@
 #include "gridlock/model/detail/rank_division.hpp"
 #include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/steps_together.hpp"
 
 namespace gridlock {
-
-/// Where the first turn that failed was, in the order in which one process takes them, and why it failed.
-struct FailedTurn {
-  std::uint64_t cell = 0;
-  Id agent = 0;
-  std::string reason;
-};
 
 /// What a rank must know of a run besides its agents.
 struct ShareOrder {

@@ -21,8 +21,8 @@ namespace gridlock {
 /// grows.
 inline std::size_t home_of(Id id, std::size_t ranks) { return static_cast<std::size_t>(id & 0xFFFFFFFFU) % ranks; }
 
-/// Cuts all agents in the order of their Ids into a block for each process, of as many each: the first Id of each block.
-/// `own` are those of this process, in order. All call it. Cost: a round of messages for each bit of the largest Id.
+/// Cuts all agents in the order of their Ids into a block for each process, of as many each. Returns the first Id of
+/// each block. `own` are those of this process, in order. All call it. Cost: a round of messages for each bit of the largest Id.
 std::vector<Id> first_ids_of_blocks(AllProcesses processes, std::span<Id const> own);
 
 /// Rows of so many bytes, as exchange_rows() takes them and gives them.

@@ -24,8 +24,8 @@ void give_rows(AllProcesses processes, Frame const& head, AgentsView const& own,
 /// Whether all agents are in the order of their Ids, process after process. All call it.
 bool are_in_order(AllProcesses processes, std::span<Id const> own);
 
-/// The same for a world of which each process has some agents, in the order of their Ids. All call it. Cost: where these
-/// are no blocks of all, each has a copy of such a block for as long.
+/// The same for a world of which each process has some agents, in the order of their Ids. All call it. Cost: unless
+/// these are blocks of all, each has a copy of such a block for as long.
 template <class Model>
 void give_frame(AllProcesses processes, World<Model> const& own, UseFrame const& use) {
   using Agents = typename World<Model>::Agents;

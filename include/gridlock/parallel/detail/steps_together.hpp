@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "gridlock/core/counters.hpp"
+#include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/world.hpp"
@@ -41,6 +44,23 @@ struct StepsTaken {
   bool has_failed = false;  ///< the step after them
 };
 
+/// Where the first turn that failed was, in the order in which one process takes them, and why it failed.
+struct FailedTurn {
+  std::uint64_t cell = 0;
+  Id agent = 0;
+  std::string reason;
+};
+
+/// The answer of ranks after some steps that they have begun together.
+struct AnswerOfSteps {
+  bool is_stop_asked = false;            ///< of one of them
+  std::optional<FailedTurn> failure;     ///< the first, in the order of one process
+  std::vector<CountersOfStep> counters;  ///< of each step, where turns keep counters
+};
+
+/// The answer of all ranks together; each hears of it where one is asked to stop. All call it.
+AnswerOfSteps answer_of_all(Communicator& ranks, AnswerOfSteps const& own);
+
 /// All ranks take steps, from look to look at the stop condition, which the root alone asks whether to continue.
 /// take(n) takes n steps, or fewer where one fails, adds to the counters what all ranks have counted, and returns what
 /// was done, the same on all ranks. All call it. Returns what the stop condition of the root has thrown; others get a
@@ -53,7 +73,7 @@ std::exception_ptr take_steps_together(Communicator& ranks, Clock& clock, double
     std::uint64_t steps = 1;
   };
   auto const steps_until_stop = [&](std::uint64_t most) {
-    // Who waits for collisions stops at the first step that has enough.
+    // A run that waits for collisions stops at the first step that has enough.
     if (stop.pair_collisions != Stop().pair_collisions) most = 1;
     Clock coming = clock;
     std::uint64_t steps = 0;
