@@ -67,12 +67,12 @@ EndedWorld<Model> advance(Model const& model, World<Model> world, StopCondition 
   return ended;
 }
 
-/// The agents whose home is on a rank.
+/// Some of the agents for each rank.
 template <class Model>
 World<Model> part_of(World<Model> const& world, Communicator const& ranks) {
   AgentRows<typename World<Model>::Agents> rows;
   for (std::size_t row = 0; row < world.agents.size(); ++row) {
-    if (home_of(world.agents.ids()[row], ranks.count()) != ranks.rank()) continue;
+    if (directory_of(world.agents.ids()[row], ranks.count()) != ranks.rank()) continue;
     rows.ids.push_back(world.agents.ids()[row]);
     rows.values.resize(rows.ids.size());
     rows.values.copy(rows.ids.size() - 1, world.agents.values(), row);

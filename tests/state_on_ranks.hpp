@@ -34,8 +34,7 @@ class RowsOfRanks {
   void take_back(std::size_t rank, State const& part) {
     std::scoped_lock const lock(mutex_);
     for (std::size_t k = 0; k < part.agents.size(); ++k) {
-      std::size_t const row = order_[rows_.first(rank) + k];
-      EXPECT_EQ(state_.agents.ids()[row], part.agents.ids()[k]);
+      std::size_t const row = state_.agents.index_of(part.agents.ids()[k]);
       copy<X, Y, VelocityX, VelocityY, Radius, Mass, ImageX, ImageY>(row, part.agents, k);
     }
     state_.clock = part.clock;

@@ -23,7 +23,7 @@ inline std::vector<std::uint32_t> id_indices(Disks const& disks) {
   return id_index;
 }
 
-inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::vector<std::uint32_t> const& id_index) {
+inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::span<std::uint32_t const> id_index) {
   return {.position = position(disks, row),
           .velocity = velocity(disks, row),
           .radius = disks.column<Radius>()[row],

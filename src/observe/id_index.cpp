@@ -8,7 +8,7 @@
 namespace gridlock {
 
 IdIndex::IdIndex(std::span<Id const> ids) : size_(ids.size()) {
-  std::vector<Id> sorted(ids.begin(), ids.end());
+  LargeArray<Id> sorted(ids.begin(), ids.end());
   if (!std::ranges::is_sorted(ids)) {
     std::vector<std::uint32_t> const rows = rows_in_order(ids);
     place_of_row_.resize(size_);
@@ -19,7 +19,7 @@ IdIndex::IdIndex(std::span<Id const> ids) : size_(ids.size()) {
   }
   first_ = sorted.empty() ? 0 : sorted.front();
   bool const has_no_gap = sorted.empty() || sorted.back() - first_ == size_ - 1;
-  sorted_ = has_no_gap ? std::vector<Id>() : std::move(sorted);
+  sorted_ = has_no_gap ? LargeArray<Id>() : std::move(sorted);
 }
 
 std::size_t IdIndex::count_below(Id id) const {

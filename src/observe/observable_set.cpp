@@ -49,8 +49,4 @@ void ObservableSet::serialize(Archive& archive) {
   }
 }
 
-void ObservableSet::migrate(AllProcesses processes) {
-  for (Entry const& entry : entries_) entry.observable->migrate(processes);
-}
-
 }  // namespace gridlock

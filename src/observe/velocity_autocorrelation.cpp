@@ -13,9 +13,9 @@ std::vector<ColumnInfo> VelocityAutocorrelation::columns() const {
   return {{"velocity_autocorrelation", "", "Σ v(t₀)·v(t) / Σ v(t₀)² since the last origin t₀."}};
 }
 
-void VelocityAutocorrelation::begin(Snapshot const&) {
+void VelocityAutocorrelation::begin(Snapshot const& start) {
   has_origin_ = false;
-  velocities_ = {};
+  velocities_ = start.attached<Vector>();
   blocks_.reset();
   curve_.clear();
   over_origins_.clear();
@@ -112,11 +112,6 @@ void VelocityAutocorrelation::serialize(Archive& archive) {
   archive.require(points == 0 || points == curve_.size(), "the curve and its averages differ in length");
   over_origins_.resize(points);
   gridlock::serialize(archive, "over_origins", over_origins_);
-}
-
-void VelocityAutocorrelation::migrate(AllProcesses processes) {
-  velocities_.migrate(processes);
-  blocks_.reset();
 }
 
 }  // namespace gridlock

@@ -41,7 +41,6 @@ class VelocityAutocorrelation final : public Observable {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override;
   void serialize(Archive& archive) override;
-  void migrate(AllProcesses processes) override;
 
  private:
   void set_origin(Snapshot const& now);

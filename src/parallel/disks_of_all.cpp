@@ -10,7 +10,9 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/frame_of_all.hpp"
 #include "gridlock/parallel/detail/row_division.hpp"
+#include "parallel/sort_among_ranks.hpp"
 
 namespace gridlock {
 
@@ -97,6 +99,16 @@ Disks deal_out(AllProcesses processes, std::uint64_t count, std::function<DiskRo
     for (DiskRow const& row : MessageReader(bytes).rest<DiskRow>()) own.add(row);
   }
   return own.take();
+}
+
+void sort_by_ids(AllProcesses processes, Disks& own) {
+  if (are_in_order(processes, own.ids())) return;
+  std::vector<DiskRow> rows;
+  rows.reserve(own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) rows.push_back(row_of(own, i));
+  sort_among_ranks(processes.communicator(), rows, RowDivision::even(processes.sum(own.size()), processes.count()),
+                   [](DiskRow const& disk) { return disk.id; });
+  own = disks_of(rows);
 }
 
 State deal_out(AllProcesses processes, State whole) {

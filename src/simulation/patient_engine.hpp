@@ -35,7 +35,7 @@ class PatientEngine final : public EngineFor<HardDisks> {
     return engine_->counts(state, counters);
   }
   [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
-  bool take_restored(State& state) override { return engine_->take_restored(state); }
+  void take_restored(State& state) override { engine_->take_restored(state); }
   void serialize(Archive& archive, State const& state) override { engine_->serialize(archive, state); }
 
  private:

@@ -77,10 +77,9 @@ class EngineFor {
   /// the world, for agents of this one that are wrong by themselves.
   virtual void require_valid(World<Model> const& world) const = 0;
 
-  /// The world has been restored from a checkpoint by the processes that share it, which call this together: agents go
-  /// to those that keep them. Returns whether some may have gone to another. Errors: Error, in all of them, for a world
-  /// that cannot be advanced rightly.
-  virtual bool take_restored(World<Model>& /*world*/) { return false; }
+  /// The world has been restored from a checkpoint by the processes that share it, which call this together: the
+  /// agents may go to others. Errors: Error, in all of them, for a world that cannot be advanced rightly.
+  virtual void take_restored(World<Model>& /*world*/) {}
 
   /// The counters of events, by name.
   [[nodiscard]] virtual std::vector<Count> counts(World<Model> const& world, Counters const& counters) const = 0;

@@ -106,9 +106,6 @@ class Observable {
   /// Serializes what was gathered since begin(); restored after a begin() at the same start, it measures on as if it
   /// had never stopped.
   virtual void serialize(Archive& archive) = 0;
-
-  /// Values attached to agents go to the processes that have the agents now, see Attached.
-  virtual void migrate(AllProcesses /*processes*/) {}
 };
 
 /// The settings `[observe]`.

@@ -69,13 +69,15 @@ struct Snapshot {
       : Snapshot(world, what_happened, AllProcesses(), world.agents.size()) {}
   /// One of several processes, which have `count` agents together.
   template <class Model>
-  Snapshot(World<Model> const& world, Counters const& what_happened, AllProcesses sharing, std::size_t count)
+  Snapshot(World<Model> const& world, Counters const& what_happened, AllProcesses sharing, std::size_t count,
+           AttachedColumns attached_to_agents = {})
       : box(world.box),
         clock(world.clock),
         agents(world.agents),
         counters(what_happened),
         processes(sharing),
-        count_(count) {}
+        count_(count),
+        attached_(std::move(attached_to_agents)) {}
 
   /// The number of agents.
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -122,7 +124,12 @@ struct Snapshot {
   /// Attaches value_of(i) to each agent, for snapshots that come later: attached.find(id, row) finds it again.
   template <class Value, class ValueOf>
   [[nodiscard]] Attached<Value> attached(ValueOf value_of) const {
-    return Attached<Value>(agents, std::move(value_of));
+    return Attached<Value>(attached_, agents, std::move(value_of));
+  }
+  /// Attaches values to no agent yet: what is restored from a checkpoint is put there.
+  template <class Value>
+  [[nodiscard]] Attached<Value> attached() const {
+    return Attached<Value>(attached_);
   }
 
   Box const& box;
@@ -144,6 +151,7 @@ struct Snapshot {
   }
 
   std::size_t count_;
+  AttachedColumns attached_;  ///< to the agents of the simulation
 };
 
 }  // namespace gridlock

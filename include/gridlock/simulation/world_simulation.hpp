@@ -61,8 +61,13 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] std::shared_ptr<void> release_columns() override { return world_.agents.release(); }
   void require_valid() const override { engine_->require_valid(world_); }
   void advance(StopCondition const& stop_condition) override {
-    engine_->advance(world_, counters_, stop_condition);
-    count_agents();
+    try {
+      engine_->advance(world_, counters_, stop_condition);
+    } catch (...) {
+      find_agents_again();
+      throw;
+    }
+    find_agents_again();
   }
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return observables_.columns(); }
@@ -85,19 +90,25 @@ class WorldSimulation : public Simulation {
     observables_.serialize(archive);
   }
   void take_restored() override {
-    if (engine_->take_restored(world_)) observables_.migrate(processes_);
-    count_agents();
+    engine_->take_restored(world_);
+    find_agents_again();
   }
 
  private:
-  [[nodiscard]] Snapshot snapshot() const { return {world_, counters_, processes_, agents_}; }
+  [[nodiscard]] Snapshot snapshot() const { return {world_, counters_, processes_, agents_, attached_}; }
+  /// After agents were born, died, or came to other processes.
+  void find_agents_again() {
+    count_agents();
+    attached_.migrate(processes_, world_.agents.ids());
+  }
   void count_agents() { agents_ = processes_.sum(world_.agents.size()); }
 
   World<Model> world_;
   Counters counters_;
   std::unique_ptr<EngineFor<Model>> engine_;
   AllProcesses processes_;
-  std::size_t agents_ = 0;  ///< of all processes
+  std::size_t agents_ = 0;    ///< of all processes
+  AttachedColumns attached_;  ///< what observables note for each agent
   ObservableSet observables_;
 };
 

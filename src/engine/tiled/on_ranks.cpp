@@ -4,6 +4,8 @@
 #include <array>
 #include <exception>
 #include <iterator>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_layout.hpp"
+#include "gridlock/parallel/detail/agent_exchange.hpp"
 #include "gridlock/parallel/detail/agreement.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
 #include "gridlock/parallel/detail/frame_of_all.hpp"
@@ -41,14 +44,19 @@ void exchange_disks(Communicator& ranks, std::size_t count, DiskOf disk_of, Rank
       take);
 }
 
-/// The disks of one rank, from when they leave the rows of all ranks until they are back.
+/// The disks of one rank while it takes steps.
 class PartOfRank {
  public:
-  /// Hands the disks out. Their values in the state may go then.
-  PartOfRank(Communicator& ranks, TurnRule const& rule, CellLayout const& layout, RowDivision const& rows,
-             State const& own)
-      : ranks_(ranks), rule_(rule), layout_(layout), tiling_(layout), rows_(rows), own_(own) {
-    hand_out();
+  /// Sends each disk to the rank of its tile; `id_indices` are those of the disks. The values in the state may go then.
+  PartOfRank(Communicator& ranks, TurnRule const& rule, CellLayout const& layout, State const& own,
+             std::span<std::uint32_t const> id_indices)
+      : ranks_(ranks),
+        rule_(rule),
+        layout_(layout),
+        tiling_(layout),
+        rows_(division_of(ranks, own.agents.size())),
+        own_(own) {
+    hand_out(id_indices);
   }
   /// Makes the share.
   void begin(std::uint64_t threads) {
@@ -57,47 +65,94 @@ class PartOfRank {
 
   [[nodiscard]] Share& share() { return *share_; }
 
-  /// The disks go back to the rows that they have come from.
-  void bring_home(State& own) {
+  /// Gives this rank the disks that are in its tiles now, in the order of their Ids.
+  void give_back(State& own, LargeArray<std::uint32_t>& id_indices) {
     LargeArray<DiskInTurn> const disks = share_->take_own_disks();
+    note_long_substep(disks);
+    std::vector<Arrival> const arrivals = arrivals_among(disks);
+    LargeArray<std::uint32_t> const places = places_of_rows(disks);
+    LargeArray<Id> ids;
+    ids.resize(disks.size());
     Disks::AllValues values;
-    values.resize(own.agents.size());
-    exchange_disks(
-        ranks_, disks.size(), [&](std::size_t k) { return disks[k]; },
-        [&](DiskInTurn const& disk) { return rows_.rank_of(disk.row_in_state); },
-        [&](DiskInTurn const& disk) {
-          values.put(disk.row_in_state - first_row(),
-                     {disk.position.x, disk.position.y, disk.velocity.x, disk.velocity.y, disk.radius, disk.mass,
-                      disk.image_x, disk.image_y});
-        });
-    own.agents.give_values(std::move(values));
+    values.resize(disks.size());
+    id_indices.resize(disks.size());
+    std::size_t row = 0;
+    auto const put = [&](DiskInTurn const& disk, Id id) {
+      ids[row] = id;
+      id_indices[row] = disk.id_index;
+      values.put(row, {disk.position.x, disk.position.y, disk.velocity.x, disk.velocity.y, disk.radius, disk.mass,
+                       disk.image_x, disk.image_y});
+      ++row;
+    };
+    auto arrival = arrivals.begin();
+    for (std::size_t before = 0; before < places.size(); ++before) {
+      if (places[before] == nobody) continue;
+      Id const id = own_.agents.ids()[before];
+      for (; arrival != arrivals.end() && arrival->id < id; ++arrival) put(disks[arrival->place], arrival->id);
+      put(disks[places[before]], id);
+    }
+    for (; arrival != arrivals.end(); ++arrival) put(disks[arrival->place], arrival->id);
+    own.agents.become(ids, values);
   }
 
-  /// The disk that could have jumped over another; after bring_home().
-  [[nodiscard]] std::optional<LongSubstep> long_substep() {
-    std::optional<Jump> const& jump = share_->jump();
-    if (!jump) return std::nullopt;
-    bool const is_own = rows_.rank_of(jump->row_in_state) == ranks_.rank();
-    double const radius = is_own ? own_.agents.column<Radius>()[jump->row_in_state - first_row()] : 0.0;
-    return LongSubstep{.id = ids_of(std::array{jump->row_in_state})[0],
-                       .displacement = jump->displacement,
-                       .contact = all_max(ranks_, radius) + rule_.radii.smallest};
-  }
+  /// The disk that could have jumped over another; after give_back().
+  [[nodiscard]] std::optional<LongSubstep> const& long_substep() const { return long_substep_; }
 
   /// The Ids of rows, whoever has them.
   [[nodiscard]] std::vector<Id> ids_of(std::span<std::uint32_t const> rows) const {
-    std::vector<Id> ids;
-    for (std::uint32_t const row : rows) {
-      ids.push_back(rows_.rank_of(row) == ranks_.rank() ? own_.agents.ids()[row - first_row()] : 0);
-    }
-    all_sum(ranks_, ids);
-    return ids;
+    return ids_of_rows(ranks_, rows_, own_.agents.ids(), rows);
   }
 
  private:
-  [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(ranks_.rank())); }
+  static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
-  void hand_out() {
+  /// A disk that has come from another rank.
+  struct Arrival {
+    Id id;
+    std::uint32_t place;  ///< among the disks of this rank
+  };
+
+  [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(ranks_.rank())); }
+  [[nodiscard]] bool is_own(std::uint32_t row) const { return rows_.rank_of(row) == ranks_.rank(); }
+
+  /// Disks that have come from other ranks, in the order of their Ids.
+  [[nodiscard]] std::vector<Arrival> arrivals_among(LargeArray<DiskInTurn> const& disks) const {
+    std::vector<std::uint32_t> rows;
+    std::vector<Arrival> arrivals;
+    for (std::uint32_t place = 0; place < disks.size(); ++place) {
+      if (is_own(disks[place].row_in_state)) continue;
+      rows.push_back(disks[place].row_in_state);
+      arrivals.push_back({.id = 0, .place = place});
+    }
+    std::vector<Id> const ids = ids_of(rows);
+    for (std::size_t k = 0; k < ids.size(); ++k) arrivals[k].id = ids[k];
+    std::ranges::sort(arrivals, {}, &Arrival::id);
+    return arrivals;
+  }
+
+  /// Where the disk of each row is among the disks; nobody for one that has gone to another rank.
+  [[nodiscard]] LargeArray<std::uint32_t> places_of_rows(LargeArray<DiskInTurn> const& disks) const {
+    LargeArray<std::uint32_t> places(own_.agents.size(), nobody);
+    for (std::uint32_t place = 0; place < disks.size(); ++place) {
+      std::uint32_t const row = disks[place].row_in_state;
+      if (is_own(row)) places[row - first_row()] = place;
+    }
+    return places;
+  }
+
+  void note_long_substep(LargeArray<DiskInTurn> const& disks) {
+    std::optional<Jump> const& jump = share_->jump();
+    if (!jump) return;
+    double radius = 0.0;
+    for (DiskInTurn const& disk : disks) {
+      if (disk.row_in_state == jump->row_in_state) radius = disk.radius;
+    }
+    long_substep_ = LongSubstep{.id = ids_of(std::array{jump->row_in_state})[0],
+                                .displacement = jump->displacement,
+                                .contact = all_max(ranks_, radius) + rule_.radii.smallest};
+  }
+
+  void hand_out(std::span<std::uint32_t const> id_indices) {
     Disks const& disks = own_.agents;
     TileFinder const finder(layout_, tiling_);
     std::uint64_t const disks_of_tiles = divide(finder);
@@ -106,14 +161,12 @@ class PartOfRank {
       division_[rank].for_each_tile(
           [&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
     }
-    std::vector<std::uint32_t> const id_index = id_indices(disks);
     in_tiles_.reserve(Share::room_for_rim(disks_of_tiles));
     exchange_disks(
         ranks_, disks.size(),
         [&](std::size_t row) {
-          DiskInTurn disk = disk_in_turn(disks, static_cast<std::uint32_t>(row), id_index);
+          DiskInTurn disk = disk_in_turn(disks, static_cast<std::uint32_t>(row), id_indices);
           disk.row_in_state += first_row();
-          disk.id_index += first_row();
           return disk;
         },
         [&](DiskInTurn const& disk) { return rank_of_tile[finder.tile_of(disk.position)]; },
@@ -137,11 +190,12 @@ class PartOfRank {
   TurnRule rule_;
   CellLayout layout_;
   Tiling tiling_;
-  RowDivision const& rows_;
+  RowDivision rows_;  ///< of all disks, before the steps
   State const& own_;
   std::vector<Tiling::Rectangle> division_;  ///< of the tiles
   LargeArray<DiskInTurn> in_tiles_;          ///< the disks of this rank, until there is a share
   std::optional<Share> share_;
+  std::optional<LongSubstep> long_substep_;
 };
 
 /// Takes at most so many steps together with all other ranks.
@@ -215,25 +269,32 @@ CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOve
 TiledOnRanks::TiledOnRanks(EngineSettings const& settings, State const& own)
     : settings_(settings),
       all_(overview_of_all(own.agents, settings.processes)),
-      rows_(division_of(settings.processes.communicator(), own.agents.size())),
       duration_(step_duration(settings, all_.radii.smallest)) {
+  count_ids(own);
   require_all_valid(own);
 }
 
 void TiledOnRanks::require_valid(State const& own) const { RowProblems(own).require_none(own.box); }
 
-bool TiledOnRanks::take_restored(State& own) {
-  Communicator& ranks = settings_.processes.communicator();
-  rows_ = division_of(ranks, own.agents.size());
-  bool const are_sorted = are_in_order(ranks, own.agents.ids());
-  agree(ranks, [&] {
-    if (are_sorted && rows_.rows() == all_.count) return;
+void TiledOnRanks::take_restored(State& own) {
+  AllProcesses const processes = settings_.processes;
+  sort_by_ids(processes, own.agents);
+  bool const are_sorted = are_in_order(processes, own.agents.ids());
+  std::uint64_t const count = processes.sum(own.agents.size());
+  processes.agree([&] {
+    if (are_sorted && count == all_.count) return;
     throw Error(Problem{.what = are_sorted ? "the checkpoint holds another number of disks"
-                                           : "the disks of the checkpoint are not in the order of their Ids, which one "
-                                             "process can restore alone"});
+                                           : "two disks of the checkpoint have one name"});
   });
+  count_ids(own);
   require_all_valid(own);
-  return false;
+}
+
+void TiledOnRanks::count_ids(State const& own) {
+  Communicator& ranks = settings_.processes.communicator();
+  id_indices_.resize(own.agents.size());
+  std::iota(id_indices_.begin(), id_indices_.end(),
+            static_cast<std::uint32_t>(division_of(ranks, own.agents.size()).first(ranks.rank())));
 }
 
 void TiledOnRanks::require_all_valid(State const& own) const {
@@ -249,14 +310,14 @@ void TiledOnRanks::advance(State& own, Counters& counters, StopCondition const& 
   std::exception_ptr thrown;
   std::optional<LongSubstep> long_substep;
   do_or_abandon(ranks, [&] {
-    tiled::PartOfRank part(ranks, tiled::rule_of(settings_, own.box, all_), tiled_layout(settings_, own.box, all_),
-                           rows_, own);
+    tiled::PartOfRank part(ranks, tiled::rule_of(settings_, own.box, all_), tiled_layout(settings_, own.box, all_), own,
+                           id_indices_);
     own.agents.forget_values();
     part.begin(settings_.threads);
     thrown = take_steps_together(ranks, own.clock, duration_, counters, stop_condition, [&](std::uint64_t steps) {
       return tiled::take_steps(ranks, part.share(), steps, counters);
     });
-    part.bring_home(own);
+    part.give_back(own, id_indices_);
     long_substep = part.long_substep();
     note_traffic_of_all(ranks);
   });
@@ -270,8 +331,8 @@ void TiledOnRanks::require_no_overlaps(State const& own) const {
   Communicator& ranks = settings_.processes.communicator();
   std::vector<Problem> problems;
   do_or_abandon(ranks, [&] {
-    tiled::PartOfRank part(ranks, tiled::rule_of(settings_, own.box, all_), tiled_layout(settings_, own.box, all_),
-                           rows_, own);
+    tiled::PartOfRank part(ranks, tiled::rule_of(settings_, own.box, all_), tiled_layout(settings_, own.box, all_), own,
+                           id_indices_);
     part.begin(settings_.threads);
     problems = tiled::problems_of(ranks, part, rounding_of_contact(own.box, all_.radii.smallest));
   });

@@ -21,7 +21,7 @@
 #include "gridlock/model/detail/steps_on_ranks.hpp"
 #include "gridlock/model/model.hpp"
 #include "gridlock/model/model_engine.hpp"
-#include "gridlock/parallel/detail/agent_homes.hpp"
+#include "gridlock/parallel/detail/agent_exchange.hpp"
 #include "gridlock/parallel/detail/agreement.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
 
@@ -42,19 +42,19 @@ StepsOfModel steps_of(Communicator& ranks, Model const& model, World<Model> cons
           .cells = cells_of(model, world, ranks)};
 }
 
-/// The part of one rank in the steps of agents that ranks divide among them: the agents go from their homes to the
-/// rectangles in which they take turns, and come back. All ranks construct it and call bring_home() together.
+/// The part of one rank in the steps of agents that ranks divide among them: the agents go to the rectangles in which
+/// they take turns, and stay where they are then. All ranks construct it and call give_back() together.
 template <class Model>
-class StepsFromHomes {
+class StepsOfAll {
  public:
   using Agents = typename World<Model>::Agents;
   using Share = ShareOf<Model>;
 
-  /// Takes the agents out of `home`. The cells of the order are chosen here, unless the model fixes them.
-  StepsFromHomes(Communicator& ranks, Model const& model, ShareOrder order,
-                 std::optional<CellLayout> const& fixed_cells, Agents& home, NameBirths name_births = {})
+  /// Takes the agents out of `own`. The cells of the order are chosen here, unless the model fixes them.
+  StepsOfAll(Communicator& ranks, Model const& model, ShareOrder order, std::optional<CellLayout> const& fixed_cells,
+             Agents& own, NameBirths name_births = {})
       : ranks_(ranks) {
-    home.become(rows_.ids, rows_.values);
+    own.become(rows_.ids, rows_.values);
     CellsOfStep const cells = cells_of_step(order.box(), order.cutoff, order.agents);
     CellLayout layout = fixed_cells.value_or(cells.layout);
     std::vector<Tiling::Rectangle> division = send_to_rectangles(order, layout);
@@ -72,17 +72,17 @@ class StepsFromHomes {
 
   [[nodiscard]] Share& share() { return *share_; }
 
-  /// Sends the agents home, where they are in the order of their Ids.
-  void bring_home(bool does_last_step_count, Agents& home) {
+  /// Gives this rank the agents that are in its rectangle now, in the order of their Ids.
+  void give_back(bool does_last_step_count, Agents& own) {
     AgentRows<Agents> rows;
     share_->take_agents(does_last_step_count, rows.ids, rows.values);
     events_ = share_->events();
     share_.reset();
-    gridlock::bring_home(ranks_, rows);
-    home.become(rows.ids, rows.values);
+    sort_agents(rows);
+    own.become(rows.ids, rows.values);
   }
 
-  /// On this rank, after bring_home().
+  /// On this rank, after give_back().
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
 
  private:
@@ -150,8 +150,8 @@ void require_inside_box(Communicator& ranks, World<Model> const& own,
   });
 }
 
-/// Puts the first agents whose home is on this rank into an empty world: each rank makes its own where they are
-/// functions of their numbers; else the root makes all, hands them out and forgets them. All call it.
+/// Puts the first agents of this rank into an empty world: each rank makes its own where they are functions of their
+/// numbers; else the root makes all, hands them out and forgets them. All call it.
 /// Errors: Error or RunFailure, on all ranks.
 template <class Model>
 void start_on_ranks(Model const& model, World<Model>& own, Communicator& ranks,
@@ -176,15 +176,15 @@ void start_on_ranks(Model const& model, World<Model>& own, Communicator& ranks,
       }
     });
   });
-  if constexpr (!has_first_agents<Model>()) bring_home(ranks, rows);
+  if constexpr (!has_first_agents<Model>()) scatter(ranks, rows);
   own.agents.become(rows.ids, rows.values);
   own.agents.names_of_all() = std::move(names);
   require_inside_box(ranks, own, blame);
 }
 
-/// Advances a model on several ranks. The world of each has the agents whose home is there, see home_of(), in the order
-/// of their Ids; the root also has the names that are free, as Population::names_of_all(). All ranks call each function
-/// together. The bits are those of one process.
+/// Advances a model on several ranks. The world of each has the agents that are in its rectangle of the box, in the order
+/// of their Ids, and before the first step any; the root also has the names that are free, as
+/// Population::names_of_all(). All ranks call each function together. The bits are those of one process.
 template <class Model>
 class ModelOnRanks final : public EngineFor<Model> {
  public:
@@ -217,11 +217,11 @@ class ModelOnRanks final : public EngineFor<Model> {
           return names_of_births(own.agents.names_of_all(), deaths, births);
         };
       }
-      StepsFromHomes<Model> steps(ranks, model_, order, steps_of_model.cells, own.agents, std::move(name_births));
+      StepsOfAll<Model> steps(ranks, model_, order, steps_of_model.cells, own.agents, std::move(name_births));
       thrown = take_steps_together(
           ranks, own.clock, steps_of_model.time_step, counters, stop_condition,
           [&](std::uint64_t count) { return take_steps(ranks, steps.share(), count, counters, failure); });
-      steps.bring_home(!failure, own.agents);
+      steps.give_back(!failure, own.agents);
       EventCounts<Model> events = steps.events();
       all_sum(ranks, std::span(events));
       for (std::size_t k = 0; k < events.size(); ++k) own.events[k] += events[k];
@@ -246,10 +246,10 @@ class ModelOnRanks final : public EngineFor<Model> {
     return counts_of_events(own);
   }
 
-  bool take_restored(World<Model>& own) override {
+  void take_restored(World<Model>& own) override {
     AgentRows<typename World<Model>::Agents> rows;
     own.agents.become(rows.ids, rows.values);
-    gridlock::bring_home(processes_.communicator(), rows);
+    scatter(processes_, rows);
     own.agents.become(rows.ids, rows.values);
     processes_.agree([&] {
       require_valid(own);
@@ -257,7 +257,6 @@ class ModelOnRanks final : public EngineFor<Model> {
       if (std::ranges::adjacent_find(names) == names.end()) return;
       throw Error(Problem{.what = "two agents of the checkpoint have one name"});
     });
-    return true;
   }
 
  private:

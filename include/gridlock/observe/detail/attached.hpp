@@ -3,16 +3,49 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <memory>
+#include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/observe/detail/id_index.hpp"
-#include "gridlock/parallel/detail/agent_homes.hpp"
+#include "gridlock/parallel/detail/agent_exchange.hpp"
 
 namespace gridlock {
+
+/// Values of some agents, which follow them from process to process.
+class AttachedColumn {
+ public:
+  AttachedColumn() = default;
+  AttachedColumn(AttachedColumn const&) = delete;
+  AttachedColumn& operator=(AttachedColumn const&) = delete;
+  virtual ~AttachedColumn() = default;
+
+  /// The values go to the processes that have the agents now; `own` are those of this one, in the order of the Ids.
+  /// All call it. Cost: a comparison for each agent, and messages for those that have come to another process.
+  virtual void migrate(AllProcesses processes, std::span<Id const> own) = 0;
+};
+
+/// All columns that are attached to the agents of a simulation; each as long as somebody has it.
+class AttachedColumns {
+ public:
+  void add(std::weak_ptr<AttachedColumn> column) { columns_->push_back(std::move(column)); }
+  /// See AttachedColumn::migrate().
+  void migrate(AllProcesses processes, std::span<Id const> own) const {
+    std::erase_if(*columns_, [](std::weak_ptr<AttachedColumn> const& column) { return column.expired(); });
+    if (processes.count() == 1) return;
+    for (auto const& column : *columns_) column.lock()->migrate(processes, own);
+  }
+
+ private:
+  std::shared_ptr<std::vector<std::weak_ptr<AttachedColumn>>> columns_ =
+      std::make_shared<std::vector<std::weak_ptr<AttachedColumn>>>();
+};
 
 /// A value for each agent that was there at one time, such as its site at the start: it is found again by the Id of the
 /// agent, wherever its row is by then.
@@ -25,64 +58,86 @@ class Attached {
   Attached() = default;
   /// Attaches value_of(row) to each agent.
   template <class ValueOf>
-  Attached(AgentsView const& agents, ValueOf value_of) : agents_(agents.ids()), values_(agents.size()) {
-    for (std::size_t row = 0; row < values_.size(); ++row) values_[agents_.place_of_row(row)] = value_of(row);
+  Attached(AttachedColumns columns, AgentsView const& agents, ValueOf value_of) : Attached(std::move(columns)) {
+    column_->agents = IdIndex(agents.ids());
+    column_->values.resize(agents.size());
+    for (std::size_t row = 0; row < agents.size(); ++row) {
+      column_->values[column_->agents.place_of_row(row)] = value_of(row);
+    }
   }
+  /// Attaches values to no agent yet.
+  explicit Attached(AttachedColumns columns) { columns.add(column_); }
 
   /// The value of the agent that is in `row` now; nullptr for an agent that was not there then.
   [[nodiscard]] Value const* find(Id id, std::size_t row) const {
-    std::size_t const place = agents_.place_of(id, row);
-    return place == IdIndex::not_found ? nullptr : &values_[place];
+    std::size_t const place = column_->agents.place_of(id, row);
+    return place == IdIndex::not_found ? nullptr : &column_->values[place];
   }
-  [[nodiscard]] IdIndex const& agents() const { return agents_; }
+  [[nodiscard]] IdIndex const& agents() const { return column_->agents; }
 
   /// Serializes the Ids, and makes room for their values.
   void serialize_ids(Archive& archive) {
-    agents_.serialize(archive);
-    if (archive.is_restoring()) values_.resize(agents_.size());
+    column_->agents.serialize(archive);
+    if (archive.is_restoring()) column_->values.resize(column_->agents.size());
   }
   /// Serializes one member of all values, in the order of the rows of then.
   template <class Member>
   void serialize_member(Archive& archive, char const* name, Member Value::*member) {
-    std::vector<Member> column(values_.size());
-    for (std::size_t row = 0; row < column.size(); ++row) column[row] = values_[agents_.place_of_row(row)].*member;
+    auto const& agents = column_->agents;
+    LargeArray<Value>& values = column_->values;
+    std::vector<Member> column(values.size());
+    for (std::size_t row = 0; row < column.size(); ++row) column[row] = values[agents.place_of_row(row)].*member;
     archive.visit_rows(name, column);
     if (!archive.is_restoring()) return;
-    archive.require(column.size() == values_.size(), "not every agent has a value");
-    for (std::size_t row = 0; row < column.size(); ++row) values_[agents_.place_of_row(row)].*member = column[row];
-  }
-
-  /// The values go to the processes that have the agents now. All call it.
-  void migrate(AllProcesses processes) {
-    struct Entry {
-      Id id;
-      Value value;
-    };
-    std::vector<Entry> arrived;
-    exchange_rows(processes,
-                  {.count = values_.size(),
-                   .bytes_of_row = sizeof(Entry),
-                   .process_of = [&](std::size_t k) { return home_of(agents_.id_at(k), processes.count()); },
-                   .write =
-                       [&](std::size_t k, std::byte* to) {
-                         Entry const entry{agents_.id_at(k), values_[k]};
-                         std::memcpy(to, &entry, sizeof(entry));
-                       },
-                   .reserve = [&](std::uint64_t count) { arrived.reserve(count); },
-                   .read = [&](std::byte const* from) { std::memcpy(&arrived.emplace_back(), from, sizeof(Entry)); }});
-    std::ranges::sort(arrived, {}, &Entry::id);
-    std::vector<Id> ids;
-    values_.clear();
-    for (Entry const& entry : arrived) {
-      ids.push_back(entry.id);
-      values_.push_back(entry.value);
-    }
-    agents_ = IdIndex(ids);
+    archive.require(column.size() == values.size(), "not every agent has a value");
+    for (std::size_t row = 0; row < column.size(); ++row) values[agents.place_of_row(row)].*member = column[row];
   }
 
  private:
-  IdIndex agents_;
-  std::vector<Value> values_;  ///< in the order of the Ids
+  struct Entry {
+    Id id;
+    Value value;
+  };
+  struct Column final : AttachedColumn {
+    IdIndex agents;
+    LargeArray<Value> values;  ///< in the order of the Ids
+
+    void migrate(AllProcesses processes, std::span<Id const> own) override {
+      LargeArray<Entry> kept;
+      kept.reserve(values.size());
+      std::vector<Id> wait;
+      ValuesOfAgents moving{.bytes_of_value = sizeof(Value), .ids = {}, .values = {}};
+      std::size_t row = 0;
+      for (std::size_t place = 0; place < values.size(); ++place) {
+        Id const id = agents.id_at(place);
+        for (; row < own.size() && own[row] < id; ++row) wait.push_back(own[row]);
+        bool const is_here = row < own.size() && own[row] == id;
+        row += is_here ? 1 : 0;
+        is_here ? kept.push_back({id, values[place]}) : moving.add(id, &values[place]);
+      }
+      wait.insert(wait.end(), own.begin() + static_cast<std::ptrdiff_t>(row), own.end());
+      if (processes.sum(moving.ids.size()) == 0) return;
+      send_to_owners(processes, wait, moving);
+      auto const first_come = static_cast<std::ptrdiff_t>(kept.size());
+      for (std::size_t k = 0; k < moving.ids.size(); ++k) {
+        std::memcpy(&kept.emplace_back(Entry{moving.ids[k], {}}).value, &moving.values[k * sizeof(Value)],
+                    sizeof(Value));
+      }
+      // Those that have stayed are in order, and those that have come are few.
+      std::ranges::sort(kept.begin() + first_come, kept.end(), {}, &Entry::id);
+      std::ranges::inplace_merge(kept, kept.begin() + first_come, {}, &Entry::id);
+      LargeArray<Id> ids;
+      ids.reserve(kept.size());
+      values.clear();
+      for (Entry const& entry : kept) {
+        ids.push_back(entry.id);
+        values.push_back(entry.value);
+      }
+      agents = IdIndex(ids);
+    }
+  };
+
+  std::shared_ptr<Column> column_ = std::make_shared<Column>();
 };
 
 }  // namespace gridlock

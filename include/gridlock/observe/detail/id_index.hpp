@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/population.hpp"
 
 namespace gridlock {
@@ -49,7 +50,7 @@ class IdIndex {
 
   Id first_ = 0;
   std::size_t size_ = 0;
-  std::vector<Id> sorted_;                   ///< empty where the Ids are first_, first_ + 1, …
+  LargeArray<Id> sorted_;                    ///< empty where the Ids are first_, first_ + 1, …
   std::vector<std::uint32_t> place_of_row_;  ///< empty where the rows were in Id order
 };
 

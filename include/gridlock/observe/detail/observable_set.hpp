@@ -21,8 +21,6 @@ class ObservableSet {
   [[nodiscard]] std::vector<NamedEstimate> results() const;
   [[nodiscard]] std::vector<Distribution> distributions() const;
   void serialize(Archive& archive);
-  /// See Observable::migrate().
-  void migrate(AllProcesses processes);
 
  private:
   struct Entry {

@@ -13,17 +13,15 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/parallel/detail/all_processes.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
 
 namespace gridlock {
 
-/// The rank on which an agent is between steps, where agents come and go: a function of its name, so that everybody
-/// knows it, what is noted for an agent stays where it is, and each rank has about as many, however far the population
-/// grows.
-inline std::size_t home_of(Id id, std::size_t ranks) { return static_cast<std::size_t>(id & 0xFFFFFFFFU) % ranks; }
-
-/// Cuts all agents in the order of their Ids into a block for each process, of as many each. Returns the first Id of
-/// each block. `own` are those of this process, in order. All call it. Cost: a round of messages for each bit of the largest Id.
-std::vector<Id> first_ids_of_blocks(AllProcesses processes, std::span<Id const> own);
+/// The process that is asked where an agent is: a function of its name, so that everybody knows it, and each process is
+/// asked for about as many.
+inline std::size_t directory_of(Id id, std::size_t processes) {
+  return static_cast<std::size_t>(id & 0xFFFFFFFFU) % processes;
+}
 
 /// Rows of so many bytes, as exchange_rows() takes them and gives them.
 struct RowsOfBytes {
@@ -37,6 +35,28 @@ struct RowsOfBytes {
 
 /// Each process sends its rows to where they belong, and reads those that have come. All call it.
 void exchange_rows(AllProcesses processes, RowsOfBytes const& rows);
+
+/// The Ids of some rows of all agents, which `division` numbers; `own` are the Ids of the rows of this process. All call
+/// it, each with rows of its own. Cost: two rounds of messages for those that others have.
+std::vector<Id> ids_of_rows(AllProcesses processes, RowDivision const& division, std::span<Id const> own,
+                            std::span<std::uint32_t const> rows);
+
+/// Values of agents, of so many bytes each.
+struct ValuesOfAgents {
+  std::size_t bytes_of_value = 0;
+  std::vector<Id> ids;
+  std::vector<std::byte> values;
+
+  void add(Id id, void const* value) {
+    ids.push_back(id);
+    values.resize(values.size() + bytes_of_value);
+    std::memcpy(values.data() + values.size() - bytes_of_value, value, bytes_of_value);
+  }
+};
+
+/// Sends values of agents that this process does not have to those that have them, and takes those for the agents that
+/// `wait` here for one. A value of an agent that no process has stays. All call it.
+void send_to_owners(AllProcesses processes, std::span<Id const> wait, ValuesOfAgents& values);
 
 template <class... Values>
 constexpr std::size_t bytes_of_values(std::tuple<Values...> const* /*values*/) {
@@ -104,11 +124,12 @@ void sort_agents(AgentRows<Agents>& agents) {
   agents = std::move(sorted);
 }
 
-/// Brings agents home, in the order of their Ids. All call it.
+/// Gives each process about as many of the agents, in the order of their Ids. Agents of one name come to one process.
+/// All call it.
 template <class Agents>
-void bring_home(AllProcesses processes, AgentRows<Agents>& agents) {
+void scatter(AllProcesses processes, AgentRows<Agents>& agents) {
   agents = exchanged_agents<Agents>(processes, agents.ids, agents.values,
-                                    [&](std::size_t row) { return home_of(agents.ids[row], processes.count()); });
+                                    [&](std::size_t row) { return directory_of(agents.ids[row], processes.count()); });
   sort_agents(agents);
 }
 
