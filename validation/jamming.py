@@ -6,7 +6,7 @@
 
 import sys
 
-from gridlock import jam
+from gridlock_studies import jam
 
 
 def main(extent, directory):

@@ -584,14 +584,3 @@ def test_pictures_replace_no_file_of_the_user(tmp_path):
     assert any("start.svg would be replaced" in note for note in made.notes) and (tmp_path / "displacement.svg").exists()
     assert gridlock.plot.pictures(tmp_path, overwrite=True).notes == []
     assert all(file.read_bytes() != b"mine" for file in mine)
-
-
-@pytest.mark.parametrize("study", ["paper", "jam"])
-def test_a_study_replaces_no_file_of_the_user(tmp_path, study):
-    make = __import__(f"gridlock.{study}", fromlist=["make"]).make
-    for name in ("figure_4.csv", "figure_5.svg", "runs.csv", "playground.html"):
-        mine = user_file(tmp_path / name)
-        with pytest.raises(gridlock.Error, match=f"{name} would be replaced"):
-            make(tmp_path, "quick")
-        assert mine.read_text() == "mine"
-        mine.unlink()

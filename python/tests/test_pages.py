@@ -60,7 +60,7 @@ def test_the_reference_has_every_public_name(root):
     page = (root / "docs/reference/python.md").read_text()
     named = set(re.findall(r"auto\w+:: gridlock\.(\w+)$", page, re.MULTILINE))
     assert set(gridlock.__all__) <= named
-    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot", "paper", "jam"}
+    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot"}
 
 
 def test_the_page_of_models_has_everything_that_a_step_can_do(root):

@@ -24,7 +24,7 @@ std::string literals() {
   static std::regex const broken(R"re("\s*\n?\s*")re");
   static std::regex const quote(R"re(\\")re");
   std::string all;
-  for (char const* folder : {"src", "apps", "models", "include", "python/gridlock"}) {
+  for (char const* folder : {"src", "apps", "models", "include", "python/gridlock", "studies"}) {
     for (fs::directory_entry const& entry : fs::recursive_directory_iterator(fs::path(GRIDLOCK_SOURCE_DIR) / folder)) {
       fs::path const extension = entry.path().extension();
       if (extension == ".cpp" || extension == ".hpp" || extension == ".py") all += text_of(entry.path());

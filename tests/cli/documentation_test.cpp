@@ -313,7 +313,7 @@ constexpr Uncompared uncompared[] = {
      "after a change"},
     {"docs/contributing/first_change.md", "- `series.csv` and `summary.json`", "a line of the changelog"},
     {"docs/explanation/exact.md", "            calendar ", "a drawing"},
-    {"docs/explanation/paper.md", "from gridlock import paper", "minutes"},
+    {"docs/explanation/paper.md", "from gridlock_studies import paper", "minutes"},
     {"docs/getting_started/install.md", "libfmt-dev ", "names of packages"},
     {"docs/getting_started/own_model.md", "  agents ", "tests/package/run.cmake compares it"},
     {"docs/how_to/movies_and_figures.md", "import gridlock", "needs matplotlib"},

@@ -8,7 +8,7 @@ file(READ ${SOURCE_DIRECTORY}/licenses/README.md page)
 
 # The build, without its comments.
 set(build "")
-foreach(folder cmake src apps python web)
+foreach(folder cmake src apps python studies web)
   file(GLOB_RECURSE files ${SOURCE_DIRECTORY}/${folder}/*CMakeLists.txt ${SOURCE_DIRECTORY}/${folder}/*.cmake)
   list(FILTER files EXCLUDE REGEX "node_modules")
   foreach(file ${files})

@@ -17,10 +17,10 @@ from .charts import curve, histogram, line, points, reference, series, sweep
 from .movies import movie
 from .packings import packing
 from .pictures import Pictures, pictures
-from .style import COLOURS, COLUMN, MARKERS, PAGE, STYLE, axis_label, sequential, style
+from .style import COLOURS, COLUMN, GREY, MARKERS, PAGE, STYLE, axis_label, sequential, style
 
 __all__ = [
-    "COLOURS", "COLUMN", "MARKERS", "PAGE", "STYLE", "Pictures",
+    "COLOURS", "COLUMN", "GREY", "MARKERS", "PAGE", "STYLE", "Pictures",
     "axis_label", "curve", "histogram", "line", "movie", "packing", "pictures", "points", "reference", "sequential", "series", "snapshot", "style",
     "sweep",
 ]
