@@ -2,7 +2,9 @@
 
 import ast
 import importlib
+import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -41,6 +43,18 @@ def test_studies_use_the_public_interface():
     used = {name for source in sources_of(gridlock_studies) for name in imported_names(source)}
     assert {"gridlock.Simulation", "gridlock.contacts"} <= used
     assert used - public == PRIVATE
+
+
+def test_pip_makes_the_commands_that_the_build_has():
+    project = (pathlib.Path(__file__).resolve().parents[2] / "pyproject.toml").read_text()
+    commands = dict(re.findall(r'^(gridlock-\w+) = "([\w.]+):main"$', project, re.MULTILINE))
+    assert {"gridlock-paper", "gridlock-jam"} <= set(commands)
+    assert all(callable(importlib.import_module(module).main) for module in commands.values())
+    program = os.environ.get("GRIDLOCK_PROGRAM", "")
+    if not program:
+        pytest.skip("GRIDLOCK_PROGRAM does not name the program gridlock")
+    starters = {path.name: path.read_text() for path in pathlib.Path(program).parent.glob("gridlock-*") if path.name in commands}
+    assert {name for name, module in commands.items() if f"from {module} import main" in starters.get(name, "")} == set(commands)
 
 
 @pytest.mark.parametrize("study", ["paper", "jam"])
