@@ -144,7 +144,7 @@ std::vector<int> lines_with_ranks(fs::path const& path) {
 /// That several processes share a run is the matter of `parallel`. These rooms still speak of it, in so many lines at
 /// most: fewer are welcome.
 std::map<std::string, std::size_t> const max_lines_with_ranks{
-    {"engine", 146}, {"model", 261}, {"simulation", 83}, {"workspace", 24}, {"apps", 21}};
+    {"engine", 145}, {"model", 257}, {"simulation", 83}, {"workspace", 24}, {"apps", 21}};
 
 TEST(Layers, OnlyTheRoomForItSpeaksOfRanks) {
   std::map<std::string, std::size_t> lines_of_room;

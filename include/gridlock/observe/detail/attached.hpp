@@ -81,8 +81,9 @@ class Attached {
     if (archive.is_restoring()) column_->values.resize(column_->agents.size());
   }
   /// Serializes one member of all values, in the order of the rows of then.
-  template <class Member>
-  void serialize_member(Archive& archive, char const* name, Member Value::*member) {
+  template <class Member, class Record>
+  requires std::is_same_v<Record, Value>
+  void serialize_member(Archive& archive, char const* name, Member Record::*member) {
     auto const& agents = column_->agents;
     LargeArray<Value>& values = column_->values;
     std::vector<Member> column(values.size());
