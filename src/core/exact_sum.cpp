@@ -75,7 +75,7 @@ struct SumsOfParts {
 }  // namespace
 
 void ExactSum::add(std::span<double const> terms) {
-  // 2⁻⁹⁷σ and its like stay normal numbers, and σ is finite.
+  // Between these magnitudes the numbers that terms are rounded to, σ and smaller powers of two, are normal and finite.
   constexpr double least = 1e-200;
   constexpr double most = 1e300;
   for (; terms.size() >= batch; terms = terms.subspan(batch)) {

@@ -32,7 +32,7 @@ void require_point_count(std::size_t points);
 /// Errors: Error for coordinates that are not finite, and for more points than a search can hold.
 void require_points_in_memory(PointsInMemory const& points);
 
-/// The same, and those of require_bounded_cutoff().
+/// Errors: those of require_points_in_memory() and of require_bounded_cutoff().
 void require_search(PointsInMemory const& points, double cutoff);
 
 /// Errors: Error for other than `count` radii, and for those outside 10⁻⁶⁰ … 10⁶⁰.

@@ -240,8 +240,8 @@ class SortedPoints {
   UninitializedArray<std::uint32_t> cell_of_row_;  ///< of points that have been moved, otherwise empty
 };
 
-/// The points in cells of at least `cutoff`: in fine ones, the occupied of which are stored, where they crowd in a part
-/// of the box.
+/// Sorts the points into cells with sides of at least `cutoff`. Where the points crowd in a part of the box, the cells
+/// are as small as that allows, and only occupied ones are stored.
 inline SortedPoints sorted_for_cutoff(Box const& box, Vector origin, double cutoff, PointsInMemory const& points,
                                       ThreadPool& pool) {
   CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);

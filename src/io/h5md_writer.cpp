@@ -285,7 +285,8 @@ void H5mdWriter::Trajectory::require_whole() const {
 }
 
 void H5mdWriter::Trajectory::append() {
-  // Both only read: HDF5 writes into a file as soon as it opens it for writing, and makes a short one longer.
+  // These two checks only read: HDF5 changes a file as soon as it opens it for writing, and makes one that was cut
+  // short longer.
   require_whole();
   look_into(hdf5::open_file(path_, Access::read));
   try {

@@ -56,13 +56,13 @@ def rendered(draw: Callable[[], Figure]) -> dict[str, bytes]:
     return pictures
 
 
-def new_axes(title: str, x: str, y: str, *, width: float = WIDTH, height: float = 4.4) -> tuple[Figure, Axes]:
-    """An empty chart."""
+def new_axes(x: str, y: str, *, width: float = WIDTH, height: float = 4.4) -> tuple[Figure, Axes]:
+    """An empty chart. Its caption stands beside it, and says what a title would."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.add_subplot()
-    axes.set(title=title, xlabel=x, ylabel=y)
+    axes.set(xlabel=x, ylabel=y)
     return figure, axes
 
 

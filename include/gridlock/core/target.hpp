@@ -22,7 +22,7 @@ enum class Target {
   avx512,  ///< eight numbers at a time: x86 with AVX-512 F, DQ, VL and BW
 };
 char const* to_text(Target target);
-/// Whether this processor has them and this build has kernels for it.
+/// Whether this processor has the instructions of the target and this build has kernels for it.
 bool is_available(Target target);
 /// All that are, the plainest first.
 std::vector<Target> available_targets();

@@ -69,7 +69,7 @@ struct Configuration {
   /// The model that is run. Errors: Error for one that this program does not have.
   [[nodiscard]] ModelKind const& kind() const;
 };
-/// The tables of every run, and those of all models that the configuration still knows.
+/// Describes the tables of settings that every run has, then those of each model that the configuration may be of.
 void describe(Configuration& configuration, SettingVisitor& visitor);
 
 /// describe() of a configuration as the io layer takes it.

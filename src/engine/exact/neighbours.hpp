@@ -9,7 +9,8 @@
 namespace gridlock::exact {
 
 /// The disks that a disk can touch as long as all of them stay near their places: in a dense system half as many as the
-/// block of cells has. Kernels read whole registers of names. A large disk among small ones has a long list elsewhere.
+/// block of cells has. Kernels read a whole register of indices at a time. A large disk among small ones has a long
+/// list elsewhere.
 struct alignas(64) Neighbours {
   static constexpr std::uint32_t most = 15;
 

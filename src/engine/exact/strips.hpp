@@ -52,10 +52,11 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   void prepare(Flight const& whole, Extent const& below, Extent const& above, double time);
   /// Flies to the end of the window.
   void fly(double start, double end);
-  /// After all have: whether the copies that count are as their owners say.
+  /// Returns whether each copy of another strip's disk that took part in events here moved as the disk itself did. To
+  /// be called when every strip has flown.
   [[nodiscard]] bool agrees_with(std::vector<Strip> const& strips, std::vector<std::uint16_t> const& owner,
                                  std::vector<Index> const& place);
-  /// Writes its disks into the whole.
+  /// Copies the disks that this strip owns into `whole`, which has those of all strips.
   void hand_over(Flight& whole) const;
 
   /// An event of its disks in the window that is counted: a collision of two with its virial, or a hit of a wall with

@@ -81,7 +81,8 @@ class Share {
   /// rank.
   [[nodiscard]] std::vector<Overlap> find_overlaps(double tolerance) const;
 
-  /// Disks for which a rank that has so many needs room, with those of the rim, which a rank of many disks has few of.
+  /// The number of disks for which a rank that owns `own` needs memory, its copies of disks of the rim included; few
+  /// where it owns many.
   static std::size_t room_for_rim(std::size_t own) { return own + own / 8 + 256; }
 
  private:

@@ -97,7 +97,7 @@ def _rise(shares: list[Share]) -> Rise | None:
 def _draw(shares: list[Share], rises: dict[int, Rise | None]) -> Figure:
     from scipy.special import ndtr
 
-    figure, axes = style.new_axes("Figure 1: random quenches that are jammed", "packing fraction φ", "share that is jammed")
+    figure, axes = style.new_axes("packing fraction φ", "share that is jammed")
     for number, disks in enumerate(rises):
         mine = [share for share in shares if share.disks == disks]
         colour = style.COLOURS[number]

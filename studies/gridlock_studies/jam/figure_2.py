@@ -62,7 +62,7 @@ def _means(outcomes: list[Outcome], name: str) -> list[tuple[float, float, float
 
 
 def _draw(all_outcomes: dict[str, list[Outcome]]) -> Figure:
-    figure, axes = style.new_axes("Figure 2: pressure and elastic moduli above jamming", f"Δφ = φ − {style.PHI_J}", "p D²/ε, K D²/ε, G D²/ε")
+    figure, axes = style.new_axes(f"Δφ = φ − {style.PHI_J}", "p D²/ε, K D²/ε, G D²/ε")
     for (name, symbol), marker in zip(QUANTITIES, style.MARKERS):
         for potential, colour in zip(POTENTIALS, style.COLOURS):
             means = _means(all_outcomes[potential], name)

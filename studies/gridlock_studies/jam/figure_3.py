@@ -34,7 +34,7 @@ def _excess(outcome: Outcome) -> NDArray[np.float64]:
 
 
 def _draw(groups: dict[int, list[Outcome]]) -> Figure:
-    figure, axes = style.new_axes("Figure 3: excess contacts", f"Δφ = φ − {style.PHI_J}", "Z − 4 + 2/N₀")
+    figure, axes = style.new_axes(f"Δφ = φ − {style.PHI_J}", "Z − 4 + 2/N₀")
     for (disks, outcomes), colour, marker in zip(groups.items(), style.COLOURS, style.MARKERS):
         if not outcomes:
             continue

@@ -31,7 +31,7 @@ def plan(context: Context) -> list[Run]:
 
 
 def _draw(context: Context, line: dict[float, Estimate]) -> Figure:
-    figure, axes = style.new_axes("Figure 4: the J-line", "packing fraction of the fluid", f"jamming packing fraction {style.PHI_J}")
+    figure, axes = style.new_axes("packing fraction of the fluid", f"jamming packing fraction {style.PHI_J}")
     axes.errorbar(list(line), [one.value for one in line.values()], [one.known_error for one in line.values()], color=style.COLOURS[0],
                   marker=style.MARKERS[0], capsize=2, label=f"here, {context.extent.fluid_starts} starts")
     axes.errorbar([one[0] for one in REFERENCE], [one[1] for one in REFERENCE], [one[2] for one in REFERENCE], color=style.GREY,

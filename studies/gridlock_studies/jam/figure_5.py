@@ -42,7 +42,7 @@ def free_volume(outcome: Outcome, disks: int) -> float:
 
 
 def _draw(groups: dict[float, list[Outcome]]) -> Figure:
-    figure, axes = style.new_axes("Figure 5: the equation of state during growth", "packing fraction φ", "1 / reduced pressure")
+    figure, axes = style.new_axes("packing fraction φ", "1 / reduced pressure")
     stages = len(DENSITIES) + len(PRESSURES)
     for (rate, outcomes), colour, marker in zip(groups.items(), style.COLOURS, style.MARKERS):
         if not outcomes:

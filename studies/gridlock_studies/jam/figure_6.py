@@ -40,9 +40,8 @@ def _beyond(values: NDArray[np.float64], *cutoffs: float) -> str:
 
 
 def _draw(forces: NDArray[np.float64], bucklers: NDArray[np.float64], gaps: NDArray[np.float64]) -> Figure:
-    figure, first = style.new_axes("Figure 6: forces at jamming", "f/⟨f⟩", "share below")
+    figure, first = style.new_axes("f/⟨f⟩", "share below")
     first.remove()
-    figure.suptitle("Figure 6: forces and gaps at jamming", fontsize=10)
     left, right = figure.subplots(1, 2, sharey=True)
     for axes, values, label, colour, exponent in (
             (left, forces, "forces of other disks", style.COLOURS[0], EXTENDED + 1.0),

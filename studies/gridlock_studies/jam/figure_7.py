@@ -48,7 +48,7 @@ def _density(outcomes: list[Outcome]) -> tuple[Any, Any]:
 
 
 def _draw(mixture: list[Outcome], equal: list[Outcome]) -> Figure:
-    figure, axes = style.new_axes("Figure 7: spectral density of jammed disks", "q · mean diameter", f"{style.CHI_V}(q) / area of a disk")
+    figure, axes = style.new_axes("q · mean diameter", f"{style.CHI_V}(q) / area of a disk")
     for outcomes, label, colour in ((mixture, "mixture 1 : 1.4", style.COLOURS[0]), (equal, "equal disks", style.COLOURS[1])):
         if outcomes:
             axes.plot(*_density(outcomes), color=colour, label=label)

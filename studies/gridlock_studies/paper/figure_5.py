@@ -195,8 +195,7 @@ def fit_look_cost(costs: Sequence[StepCost]) -> tuple[float, float]:
 
 
 def _draw_times(costs: Sequence[StepCost]) -> Figure:
-    figure, axes = style.new_axes("Figure 5: 100 steps of N disks on k × k neighbourhoods", "number of disks N",
-                                  "CPU time of 100 steps / ms")
+    figure, axes = style.new_axes("number of disks N", "CPU time of 100 steps / ms")
     per_disk, per_check = fit_look_cost(costs)
     n = np.linspace(0.0, 1.04 * max(cost.disks for cost in costs), 200)
     for k, colour, marker in zip(KS, style.COLOURS, style.MARKERS):
@@ -229,8 +228,7 @@ def _name_standstill(axes: Axes, costs: Sequence[StepCost]) -> None:
 
 
 def _draw_checks(costs: Sequence[StepCost]) -> Figure:
-    figure, axes = style.new_axes("Distance checks in units of the paper's 9N²/k²", "number of disks N",
-                                  "distance checks / (9N²/k²)")
+    figure, axes = style.new_axes("number of disks N", "distance checks / (9N²/k²)")
     style.reference(axes, 1.0, "9N²/k²")
     for k, colour, marker in zip(KS, style.COLOURS, style.MARKERS):
         mine = [cost for cost in costs if cost.k == k]

@@ -57,8 +57,7 @@ def _label(axes: Axes, result: Measured, y: float, colour: tuple[float, ...], ma
 
 
 def _draw(context: Context, results: Sequence[Measured], *, is_logarithmic: bool) -> Figure:
-    title = "Figure 6 again, both axes logarithmic" if is_logarithmic else "Figure 6: mean displacement against time"
-    figure, axes = style.new_axes(title, "time steps", "mean displacement / side of the box", height=4.8)
+    figure, axes = style.new_axes("time steps", "mean displacement / side of the box", height=4.8)
     first_engine = context.extent.engines[0]
     densities = context.extent.fan_densities
     colours = style.sequential(len(densities))

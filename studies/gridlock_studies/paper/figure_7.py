@@ -134,15 +134,9 @@ def _theory(figure: _Figure) -> list[tuple[float, ...]]:
     return rows
 
 
-def _title_of_seeds(extent: Extent) -> str:
-    """Says why points have no bars, where they have none."""
-    return ", one run a point" if extent.figure_7.seeds == 1 else ""
-
-
 def _draw(figure: _Figure, theory: list[tuple[float, ...]]) -> Figure:
     extent = figure.context.extent
-    title = f"Figure 7: mean displacement after {extent.figure_7.steps:,} steps{_title_of_seeds(extent)}"
-    chart, axes = style.new_axes(title, "packing fraction φ", "mean displacement / side of the box", height=5.6)
+    chart, axes = style.new_axes("packing fraction φ", "mean displacement / side of the box", height=5.6)
     style.reference(axes, JAMMING_LEVEL, "10 %", at=0.06)
     for engine in extent.engines:
         is_first = engine == extent.engines[0]
@@ -353,7 +347,7 @@ def make(context: Context) -> Chapter:
     theory = _theory(figure)
     context.draw("figure_7", functools.partial(_draw, figure, theory))
     caption = (
-        "Mean displacement at the end of the run; lines and filled symbols: the paper's rule. The plateau is no fit: it is the "
+        f"Mean displacement after {extent.figure_7.steps:,} steps; lines and filled symbols: the paper's rule. The plateau is no fit: it is the "
         "mean distance from a site of the start to a random point, exactly. The triangular start has a few sites too many, "
         "which stay empty. Points below the plateau at low density have had too little time: Enskog's diffusion between walls "
         "for the same time gives the dashed curve.")

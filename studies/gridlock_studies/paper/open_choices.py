@@ -115,7 +115,7 @@ def _site_table(context: Context, choices: Sequence[Choices]) -> Table:
 
 
 def _draw(context: Context, choices: Sequence[Choices]) -> Figure:
-    figure, axes = style.new_axes("Time step and contact rule", f"time step / (diameters per {style.V_MAX})",
+    figure, axes = style.new_axes(f"time step / (diameters per {style.V_MAX})",
                                   "mean displacement / side of the box", height=3.8)
     for choice, colour, marker in zip(choices, style.COLOURS, style.MARKERS):
         label: str | None = f"{choice.start}, φ = {plain(choice.packing_fraction)}"

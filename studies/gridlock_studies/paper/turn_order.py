@@ -210,7 +210,7 @@ def _write(context: Context, rows: Sequence[Row]) -> None:
 
 
 def _draw(context: Context) -> Figure:
-    figure, axes = style.new_axes("The order of the turns", f"time / (diameters per {style.V_MAX})", "mean displacement / side of the box")
+    figure, axes = style.new_axes(f"time / (diameters per {style.V_MAX})", "mean displacement / side of the box")
     drawn = [orders for orders in orders_of(context)
              if orders.by_id.run.edge == "wall" and orders.by_id.run.time_step == context.extent.order_time_steps[0]]
     for orders, colour, marker in zip(drawn, style.COLOURS, style.MARKERS):

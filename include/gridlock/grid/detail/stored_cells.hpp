@@ -22,8 +22,8 @@ class StoredCells {
  public:
   enum class Which { all, occupied };
 
-  /// All of so many cells; or none of them, for add() or add_alone() of each that is occupied and find_places()
-  /// afterwards.
+  /// Forgets the cells, and stores all cells 0 … cells − 1; or none, after which add() or add_alone() is to be called
+  /// for each occupied cell, and then find_places().
   void clear(std::size_t cells, Which which) {
     count_ = which == Which::all ? cells : 0;
     words_.assign(which == Which::all ? 0 : cells / 64 + 1, {});

@@ -36,8 +36,8 @@ struct RowsOfBytes {
 /// Each process sends its rows to where they belong, and reads those that have come. All call it.
 void exchange_rows(AllProcesses processes, RowsOfBytes const& rows);
 
-/// The Ids of some rows of all agents, which `division` numbers; `own` are the Ids of the rows of this process. All call
-/// it, each with rows of its own. Cost: two rounds of messages for those that others have.
+/// The Ids of some rows of all agents, which `division` numbers; `own` are the Ids of the rows of this process. All
+/// call it, each with rows of its own. Cost: two rounds of messages for those that others have.
 std::vector<Id> ids_of_rows(AllProcesses processes, RowDivision const& division, std::span<Id const> own,
                             std::span<std::uint32_t const> rows);
 
@@ -124,8 +124,8 @@ void sort_agents(AgentRows<Agents>& agents) {
   agents = std::move(sorted);
 }
 
-/// Gives each process about as many of the agents, in the order of their Ids. Agents of one name come to one process.
-/// All call it.
+/// Gives each process about as many of the agents, in the order of their Ids. Agents with the same Id come to the same
+/// process. All call it.
 template <class Agents>
 void scatter(AllProcesses processes, AgentRows<Agents>& agents) {
   agents = exchanged_agents<Agents>(processes, agents.ids, agents.values,
