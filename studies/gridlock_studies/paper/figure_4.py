@@ -48,8 +48,8 @@ def _kinetic_energy(agents: Agents) -> float:
     return 0.5 * total(agents["mass"] * (x * x + y * y))
 
 
-def _draw(positions: NDArray[Any], radius: float) -> Figure:
-    figure, axes = style.new_axes("", "", width=3.3, height=3.5)
+def _draw(positions: NDArray[Any], radius: float, when: str) -> Figure:
+    figure, axes = style.new_axes(when, "", width=3.3, height=3.5)
     column, row = neighbourhoods_of(positions, K).T
     style.draw_disks(axes, positions, radius, np.array(style.COLOURS)[[4, 0, 3, 2]][column % 2 + 2 * (row % 2)].tolist(), edge=0.0)
     for edge in np.arange(1, K) / K:
@@ -66,8 +66,8 @@ def make(context: Context) -> Chapter:
     start = np.array(agents.positions)
     simulation.run(steps=STEPS)
     positions = np.array(agents.positions)
-    context.draw("figure_4_start", lambda: _draw(start, radius))
-    context.draw("figure_4_after", lambda: _draw(positions, radius))
+    context.draw("figure_4_start", lambda: _draw(start, radius, "start"))
+    context.draw("figure_4_after", lambda: _draw(positions, radius, f"after {STEPS} steps"))
     context.write_table("figure_4.csv", "step id x y radius column row", [
         (step, int(id), *place.tolist(), radius, *neighbourhood.tolist())
         for step, places in ((0, start), (STEPS, positions))
@@ -84,7 +84,7 @@ def make(context: Context) -> Chapter:
             f"{len(start)} disks on the square lattice at φ = {plain(PACKING_FRACTION)}, and the same disks after {STEPS} steps "
             f"of the paper's rule, on {K} × {K} neighbourhoods. Disks of adjacent neighbourhoods have different colours."
         ],
-        drawings=[Drawing(("figure_4_start", "figure_4_after"), f"Left the start, right after {STEPS} steps.")],
+        drawings=[Drawing(("figure_4_start", "figure_4_after"), f"The start, and after {STEPS} steps.")],
         claims=[Claim(
             "Figure 4",
             "Every disk belongs to exactly one of the k × k neighbourhoods, and the rule keeps the disks from overlapping.",
