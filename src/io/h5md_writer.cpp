@@ -285,8 +285,7 @@ void H5mdWriter::Trajectory::require_whole() const {
 }
 
 void H5mdWriter::Trajectory::append() {
-  // These two checks only read: HDF5 changes a file as soon as it opens it for writing, and makes one that was cut
-  // short longer.
+  // These two only read: opened for writing, a file is changed by HDF5 at once, and one that was cut short grows.
   require_whole();
   look_into(hdf5::open_file(path_, Access::read));
   try {
