@@ -126,7 +126,8 @@ class Attached {
       }
       // Those that have stayed are in order, and those that have come are few.
       std::ranges::sort(kept.begin() + first_come, kept.end(), {}, &Entry::id);
-      std::ranges::inplace_merge(kept, kept.begin() + first_come, {}, &Entry::id);
+      std::inplace_merge(kept.begin(), kept.begin() + first_come, kept.end(),
+                         [](Entry const& one, Entry const& other) { return one.id < other.id; });
       LargeArray<Id> ids;
       ids.reserve(kept.size());
       values.clear();
