@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -10,7 +11,6 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
-#include "gridlock/parallel/detail/frame_of_all.hpp"
 #include "gridlock/parallel/detail/row_division.hpp"
 #include "parallel/sort_among_ranks.hpp"
 
@@ -99,6 +99,28 @@ Disks deal_out(AllProcesses processes, std::uint64_t count, std::function<DiskRo
     for (DiskRow const& row : MessageReader(bytes).rest<DiskRow>()) own.add(row);
   }
   return own.take();
+}
+
+bool are_in_order(AllProcesses processes, std::span<Id const> own) {
+  struct Ends {
+    Id first, last;
+    std::uint64_t count, ascends;
+  };
+  bool const ascends = std::ranges::adjacent_find(own, std::greater_equal()) == own.end();
+  Ends const ends{.first = own.empty() ? 0 : own.front(),
+                  .last = own.empty() ? 0 : own.back(),
+                  .count = own.size(),
+                  .ascends = ascends ? std::uint64_t{1} : 0};
+  bool is_first = true;
+  Id last = 0;
+  for (Message const& bytes : all_gather(processes.communicator(), message_of(ends))) {
+    auto const next = MessageReader(bytes).next<Ends>();
+    if (next.count == 0) continue;
+    if (next.ascends == 0 || (!is_first && next.first <= last)) return false;
+    last = next.last;
+    is_first = false;
+  }
+  return true;
 }
 
 void sort_by_ids(AllProcesses processes, Disks& own) {

@@ -27,6 +27,9 @@ DisksOverview overview_of_all(Disks const& own, AllProcesses processes);
 /// piece. Returns those of this process. All call it.
 Disks deal_out(AllProcesses processes, std::uint64_t count, std::function<DiskRow(std::uint64_t k)> const& row_of);
 
+/// Whether all agents are in the order of their Ids, process after process. All call it.
+bool are_in_order(AllProcesses processes, std::span<Id const> own);
+
 /// Puts the disks of all processes in the order of their Ids: process 0 gets the first ones, and each as many. All call
 /// it. Cost: nothing where they are in order, else a copy of the rows of each.
 void sort_by_ids(AllProcesses processes, Disks& own);

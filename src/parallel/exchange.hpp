@@ -11,7 +11,7 @@
 
 namespace gridlock {
 
-/// Communicator send values to each other, each to where it belongs. All call it, each with `count` values to give:
+/// Ranks send values to each other, each to where it belongs. All call it, each with `count` values to give:
 /// `give_one(k, give)` calls give(rank, value) for number k, once for each rank that is to have it, and take(value) is
 /// called for what has come, from whatever rank, this one included. In rounds of so many numbers k of each rank, so
 /// that messages stay short however much there is to send, and nobody waits for someone who waits for him to receive.

@@ -134,7 +134,7 @@ class FrameOfAll final : public FrameSource {
     for (std::uint32_t const row : order_) sorted.push_back(values[row]);
     return sorted;
   }
-  /// What all ranks have of a block, rank after rank.
+  /// The values of a block, those of rank 0 first, then those of rank 1.
   template <class Value>
   [[nodiscard]] std::vector<Value> gather(BlockAsked const& asked) const {
     for (std::size_t rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, message_of(asked));
@@ -195,28 +195,6 @@ void give_rows(AllProcesses processes, Frame const& head, AgentsView const& own,
     EndOfFrame const end(ranks);
     use(FrameOfAll(ranks, head, own, rows));
   });
-}
-
-bool are_in_order(AllProcesses processes, std::span<Id const> own) {
-  struct Ends {
-    Id first, last;
-    std::uint64_t count, ascends;
-  };
-  bool const ascends = std::ranges::adjacent_find(own, std::greater_equal()) == own.end();
-  Ends const ends{.first = own.empty() ? 0 : own.front(),
-                  .last = own.empty() ? 0 : own.back(),
-                  .count = own.size(),
-                  .ascends = ascends ? std::uint64_t{1} : 0};
-  bool is_first = true;
-  Id last = 0;
-  for (Message const& bytes : all_gather(processes.communicator(), message_of(ends))) {
-    auto const next = MessageReader(bytes).next<Ends>();
-    if (next.count == 0) continue;
-    if (next.ascends == 0 || (!is_first && next.first <= last)) return false;
-    last = next.last;
-    is_first = false;
-  }
-  return true;
 }
 
 }  // namespace gridlock

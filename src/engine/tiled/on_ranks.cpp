@@ -21,7 +21,6 @@
 #include "gridlock/parallel/detail/agent_exchange.hpp"
 #include "gridlock/parallel/detail/agreement.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
-#include "gridlock/parallel/detail/frame_of_all.hpp"
 #include "gridlock/parallel/detail/steps_together.hpp"
 #include "parallel/disks_of_all.hpp"
 #include "parallel/exchange.hpp"
@@ -31,18 +30,6 @@ namespace gridlock {
 namespace tiled {
 
 namespace {
-
-/// Each rank sends its disks to where they belong.
-template <class DiskOf, class RankOf, class Take>
-void exchange_disks(Communicator& ranks, std::size_t count, DiskOf disk_of, RankOf rank_of, Take take) {
-  exchange_values<DiskInTurn>(
-      ranks, count,
-      [&](std::size_t k, auto give) {
-        DiskInTurn const disk = disk_of(k);
-        give(rank_of(disk), disk);
-      },
-      take);
-}
 
 /// The disks of one rank while it takes steps.
 class PartOfRank {
@@ -113,7 +100,7 @@ class PartOfRank {
   };
 
   [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(ranks_.rank())); }
-  [[nodiscard]] bool is_own(std::uint32_t row) const { return rows_.rank_of(row) == ranks_.rank(); }
+  [[nodiscard]] bool is_own(std::uint32_t row) const { return row - first_row() < own_.agents.size(); }
 
   /// Disks that have come from other ranks, in the order of their Ids.
   [[nodiscard]] std::vector<Arrival> arrivals_among(LargeArray<DiskInTurn> const& disks) const {
@@ -130,7 +117,7 @@ class PartOfRank {
     return arrivals;
   }
 
-  /// Where the disk of each row is among the disks; nobody for one that has gone to another rank.
+  /// The place of the disk of each row among the disks, or `nobody` for one that another rank has now.
   [[nodiscard]] LargeArray<std::uint32_t> places_of_rows(LargeArray<DiskInTurn> const& disks) const {
     LargeArray<std::uint32_t> places(own_.agents.size(), nobody);
     for (std::uint32_t place = 0; place < disks.size(); ++place) {
@@ -162,14 +149,13 @@ class PartOfRank {
           [&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
     }
     in_tiles_.reserve(Share::room_for_rim(disks_of_tiles));
-    exchange_disks(
+    exchange_values<DiskInTurn>(
         ranks_, disks.size(),
-        [&](std::size_t row) {
+        [&](std::size_t row, auto give) {
           DiskInTurn disk = disk_in_turn(disks, static_cast<std::uint32_t>(row), id_indices);
           disk.row_in_state += first_row();
-          return disk;
+          give(rank_of_tile[finder.tile_of(disk.position)], disk);
         },
-        [&](DiskInTurn const& disk) { return rank_of_tile[finder.tile_of(disk.position)]; },
         [&](DiskInTurn const& disk) { in_tiles_.push_back(disk); });
   }
 

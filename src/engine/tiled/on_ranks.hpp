@@ -30,7 +30,7 @@ class TiledOnRanks final : public Engine {
   void take_restored(State& own) override;
 
  private:
-  /// For rows as the constructor wants them.
+  /// Numbers the rows, which are in the order that the constructor requires.
   void count_ids(State const& own);
   void require_all_valid(State const& own) const;
   void require_no_overlaps(State const& own) const;

@@ -347,9 +347,9 @@ def make(context: Context) -> Chapter:
     theory = _theory(figure)
     context.draw("figure_7", functools.partial(_draw, figure, theory))
     caption = (
-        f"Mean displacement after {extent.figure_7.steps:,} steps; lines and filled symbols: the paper's rule. The plateau is no fit: it is the "
-        "mean distance from a site of the start to a random point, exactly. The triangular start has a few sites too many, "
-        "which stay empty. Points below the plateau at low density have had too little time: Enskog's diffusion between walls "
+        f"Mean displacement after {extent.figure_7.steps:,} steps; lines and filled symbols: the paper's rule. The plateau is "
+        "no fit: it is the mean distance from a site of the start to a random point, exactly. The triangular start has a few "
+        "sites too many, which stay empty. Points below the plateau at low density have had too little time: Enskog's diffusion between walls "
         "for the same time gives the dashed curve.")
     if extent.figure_7.densest_of_others < 1.0:
         caption += (f" Above φ = {plain(extent.figure_7.densest_of_others)} the paper's rule alone was run: other dynamics "

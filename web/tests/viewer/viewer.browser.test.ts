@@ -75,7 +75,8 @@ async function goTo(frame: number): Promise<void> {
 /** Where an agent is on the screen. */
 async function placeOf(row: number): Promise<{ x: number; y: number }> {
   // The status may name a frame a moment before it is shown.
-  while (await page.evaluate(() => (globalThis as unknown as { gridlockViewer: { shown: unknown } }).gridlockViewer.shown === undefined)) await page.waitForTimeout(30);
+  const isShown = () => (globalThis as unknown as { gridlockViewer: { shown: unknown } }).gridlockViewer.shown !== undefined;
+  while (!(await page.evaluate(isShown))) await page.waitForTimeout(30);
   const at = await page.evaluate((row) => {
     const viewer = (globalThis as unknown as { gridlockViewer: { drawing: any; shown: any } }).gridlockViewer;
     const { columns } = viewer.shown;

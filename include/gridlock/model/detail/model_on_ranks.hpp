@@ -182,8 +182,8 @@ void start_on_ranks(Model const& model, World<Model>& own, Communicator& ranks,
   require_inside_box(ranks, own, blame);
 }
 
-/// Advances a model on several ranks. The world of each has the agents that are in its rectangle of the box, in the order
-/// of their Ids, and before the first step any; the root also has the names that are free, as
+/// Advances a model on several ranks. The world of each has the agents that are in its rectangle of the box, in the
+/// order of their Ids, and before the first step any; the root also has the names that are free, as
 /// Population::names_of_all(). All ranks call each function together. The bits are those of one process.
 template <class Model>
 class ModelOnRanks final : public EngineFor<Model> {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/frame_source.hpp"
 #include "gridlock/core/world.hpp"
@@ -14,9 +12,6 @@ namespace gridlock {
 ///
 /// Here alone one process asks others for something, so that those who write frames need not know of them.
 void give_rows(AllProcesses processes, Frame const& head, AgentsView const& own, UseFrame const& use);
-
-/// Whether all agents are in the order of their Ids, process after process. All call it.
-bool are_in_order(AllProcesses processes, std::span<Id const> own);
 
 /// The same as give_rows() for a world of which each process has some agents, in the order of their Ids.
 template <class Model>
