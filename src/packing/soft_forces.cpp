@@ -172,7 +172,7 @@ namespace {
 
 /// Distance along x, contact distance, distance along y, and nothing: of the entry in the lower half, of the fourth
 /// behind it in the upper.
-GRIDLOCK_AVX512 __m512d pair_of_differences(DiskRow const* rows, std::uint32_t const* entry,
+GRIDLOCK_AVX512 __m512d pair_of_differences(SoftDiskRow const* rows, std::uint32_t const* entry,
                                             std::uint32_t const* owner) {
   __m256d const lower =
       _mm256_addsub_pd(_mm256_load_pd(&rows[entry[0] & partner_mask].x), _mm256_load_pd(&rows[owner[0]].x));
@@ -191,7 +191,7 @@ GRIDLOCK_AVX512 std::size_t SoftForces::find_touching_of_eights(std::size_t firs
   __m512d const shifts_x = _mm512_loadu_pd(shifts_x_.data());
   __m512d const shifts_y = _mm512_loadu_pd(shifts_y_.data());
   __m256i const partner = _mm256_set1_epi32(static_cast<int>(partner_mask));
-  DiskRow const* const rows = rows_.data();
+  SoftDiskRow const* const rows = rows_.data();
   std::size_t k = first;
   for (; k + 8 <= end; k += 8) {
     std::uint32_t const* const entry = &entries_[k];
@@ -235,8 +235,8 @@ std::size_t SoftForces::find_touching(std::size_t first, std::size_t end, Touchi
   for (; k < end; ++k) {
     std::uint32_t const i = owners_[k];
     std::uint32_t const j = entries_[k] & partner_mask;
-    DiskRow const& own = rows_[i];
-    DiskRow const& other = rows_[j];
+    SoftDiskRow const& own = rows_[i];
+    SoftDiskRow const& other = rows_[j];
     double const dx = (other.x - own.x) + shifts_x_[(entries_[k] >> partner_bits) & image_mask];
     double const dy = (other.y - own.y) + shifts_y_[entries_[k] >> (partner_bits + image_bits)];
     double const square = dx * dx + dy * dy;

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/packing/soft_disks.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 
@@ -44,7 +44,7 @@ struct ForceSums {
 
 /// The numbers of a disk that its force needs, side by side: where two of these have every other number subtracted and
 /// the rest added, their distances along x and y and their contact distance come out.
-struct alignas(32) DiskRow {
+struct alignas(32) SoftDiskRow {
   double x;
   double radius;
   double y;
@@ -117,7 +117,7 @@ class SoftForces {
   /// ways for more.
   std::vector<std::uint32_t> entries_;
   std::vector<std::uint32_t> owners_;  ///< the disk in whose list an entry is
-  std::vector<DiskRow> rows_;
+  std::vector<SoftDiskRow> rows_;
   std::array<double, 8> shifts_x_{};  ///< of images, by the middle bits of an entry
   std::array<double, 8> shifts_y_{};  ///< the same by the upper bits
   ThreadPool pool_;
