@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/model/detail/model_on_ranks.hpp"
+#include "gridlock/model/detail/shared_model_engine.hpp"
 #include "gridlock/model/model_engine.hpp"
 #include "gridlock/simulation/register_model.hpp"
 #include "thread_ranks.hpp"
@@ -103,7 +103,7 @@ void continue_on_ranks(Model const& model, EndedWorld<Model>& ended, StopConditi
         ended.names = own.agents.names_of_all();
       };
       try {
-        ModelOnRanks<Model>(model, here, threads).advance(own, counters, stop);
+        SharedModelEngine<Model>(model, here, threads).advance(own, counters, stop);
       } catch (...) {
         note_end();
         throw;

@@ -73,7 +73,7 @@ int gridlock::mpi_command_line(int argc, char** argv) {
         argc, argv,
         {.crew = crew,
          .set_runs_at_a_time = [&](std::size_t count) { crew.set_runs_at_a_time(count); },
-         .set_ranks_of_run = [&](std::size_t count) { crew.set_ranks_of_run(count); },
+         .set_processes_of_run = [&](std::size_t count) { crew.set_processes_of_run(count); },
          .has_threads_that_send = granted == MPI_THREAD_MULTIPLE},
         failure);
     // Others wait for a rank that has failed: to begin, or for its part of the work.

@@ -50,7 +50,7 @@ void wait_asleep(MPI_Request& request) {
 /// How a rank comes to the meeting.
 struct Arrival {
   std::uint64_t plan_hash = 0;
-  std::uint64_t ranks_of_run = 1;
+  std::uint64_t processes_of_run = 1;
   std::array<char, longest_failure> failure{};  // empty: it is ready
 };
 
@@ -70,7 +70,7 @@ Verdict judge(std::vector<Arrival> const& all, Arrival const& own) {
     if (!why.empty()) {
       verdict.kind = Verdict::cannot_take_part;
       text = fmt::format("rank {} cannot take part: {}", rank, why);
-    } else if (all[rank].plan_hash != own.plan_hash || all[rank].ranks_of_run != own.ranks_of_run) {
+    } else if (all[rank].plan_hash != own.plan_hash || all[rank].processes_of_run != own.processes_of_run) {
       verdict.kind = Verdict::is_of_another_plan;
       text = fmt::format("rank {} has read another plan or command line", rank);
     }
@@ -250,13 +250,13 @@ MpiCrew::MpiCrew(RanksHooks hooks) : hooks_(std::move(hooks)) {
   ranks_here_ = static_cast<std::size_t>(ranks_here);
 }
 
-void MpiCrew::set_ranks_of_run(std::size_t count) {
+void MpiCrew::set_processes_of_run(std::size_t count) {
   ranks_of_run_ = static_cast<int>(std::min(count, static_cast<std::size_t>(ranks_)));
 }
 
 void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
   has_met_ = true;
-  Arrival own{.plan_hash = plan_hash, .ranks_of_run = ranks_of_run()};
+  Arrival own{.plan_hash = plan_hash, .processes_of_run = processes_of_run()};
   failure.copy(own.failure.data(), longest_failure - 1);
   std::vector<Arrival> all(static_cast<std::size_t>(leads() ? ranks_ : 0));
   MPI_Request request = MPI_REQUEST_NULL;

@@ -26,14 +26,14 @@ class MpiCrew final : public SweepCrew {
   /// Runs at a time in each rank, before lead() or help().
   void set_runs_at_a_time(std::size_t count) { runs_at_a_time_ = count; }
   /// Before meet().
-  void set_ranks_of_run(std::size_t count);
+  void set_processes_of_run(std::size_t count);
   /// Whether other ranks wait for this one.
   [[nodiscard]] bool is_working() const { return is_working_; }
   [[nodiscard]] bool has_met() const { return has_met_; }
 
   [[nodiscard]] bool leads() const override { return rank_ == 0; }
   [[nodiscard]] std::size_t processes_on_machine() const override { return ranks_here_; }
-  [[nodiscard]] std::size_t ranks_of_run() const override { return static_cast<std::size_t>(ranks_of_run_); }
+  [[nodiscard]] std::size_t processes_of_run() const override { return static_cast<std::size_t>(ranks_of_run_); }
   [[nodiscard]] AllProcesses processes() override { return group_ ? AllProcesses(*group_) : AllProcesses(); }
   void meet(std::uint64_t plan_hash, std::string const& failure) override;
   void part() override;

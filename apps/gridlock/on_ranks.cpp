@@ -12,7 +12,7 @@ namespace {
 /// The processes that share the run, when all of them are there.
 AllProcesses met_processes(CrewOptions const* options) {
   if (options == nullptr) return {};
-  options->set_ranks_of_run(std::numeric_limits<std::size_t>::max());
+  options->set_processes_of_run(std::numeric_limits<std::size_t>::max());
   options->crew.meet(options->command_hash, "");
   return options->crew.processes();
 }

@@ -29,7 +29,7 @@ struct SweepOptions {
   ConfigurationOptions configuration;
   OutputOptions output;
   unsigned threads = 0;
-  std::size_t ranks_of_run = 1;
+  std::size_t processes_of_run = 1;
   std::string shard;
   bool draws = true;
   bool is_quiet = false;
@@ -162,7 +162,7 @@ ExitCode sweep(SweepOptions const& options) {
 
 /// One thread of a rank takes orders while another one carries out a run with other ranks.
 void require_threads_that_send(CrewOptions const& crew, SweepOptions const& options) {
-  if (options.ranks_of_run == 1 || crew.has_threads_that_send) return;
+  if (options.processes_of_run == 1 || crew.has_threads_that_send) return;
   throw gridlock::Error({.what = "this MPI lets only one thread of each rank send messages (no MPI_THREAD_MULTIPLE)",
                          .hint = "leave it out, so that each run has one rank, or use an MPI built with threads",
                          .key = "--ranks-per-run"});
@@ -184,7 +184,7 @@ void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
         ->type_name("I/N");
   } else {
     options->crew = &crew->crew;
-    verb->add_option("--ranks-per-run", options->ranks_of_run,
+    verb->add_option("--ranks-per-run", options->processes_of_run,
                      "Ranks that share each run, of tiled or a synchronous or tiled model; left out: one")
         ->check(whole_number(1))
         ->excludes(threads);
@@ -196,7 +196,7 @@ void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
     if (crew != nullptr) {
       require_threads_that_send(*crew, *options);
       crew->set_runs_at_a_time(std::max(1U, options->threads));
-      crew->set_ranks_of_run(options->ranks_of_run);
+      crew->set_processes_of_run(options->processes_of_run);
     }
     exit_code = sweep(*options);
   });

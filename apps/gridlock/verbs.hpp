@@ -33,9 +33,10 @@ enum class ExitCode : int {
 struct CrewOptions {
   SweepCrew& crew;
   std::function<void(std::size_t)> set_runs_at_a_time;  ///< that each makes
-  std::function<void(std::size_t)> set_ranks_of_run;    ///< SweepCrew::ranks_of_run(), all where there are not as many
-  bool has_threads_that_send = false;                   ///< also other threads than the first may call MPI
-  std::uint64_t command_hash = 0;                       ///< of the command line, which must be the same for all
+  std::function<void(std::size_t)>
+      set_processes_of_run;            ///< SweepCrew::processes_of_run(), all where there are not as many
+  bool has_threads_that_send = false;  ///< also other threads than the first may call MPI
+  std::uint64_t command_hash = 0;      ///< of the command line, which must be the same for all
 };
 
 /// Each adds its command to the command line; parsing it runs the command and leaves how it ended in `exit_code`.

@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/tiled/on_ranks.hpp"
+#include "engine/tiled/shared_engine.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"

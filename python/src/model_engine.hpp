@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/cell_order.hpp"
 #include "gridlock/observe/observable.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 #include "model.hpp"
 #include "model_world.hpp"
 

@@ -14,8 +14,8 @@
 #include "analysis/bessel_table.hpp"
 #include "analysis/lags.hpp"
 #include "core/avx512.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/vector.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "grid/require.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -10,7 +10,7 @@
 #include "analysis/voronoi_polygon.hpp"
 #include "grid/require.hpp"
 #include "grid/sorted_points.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "engine/exact/dynamics.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/hot_disks.hpp"
-#include "engine/tiled/on_ranks.hpp"
+#include "engine/tiled/shared_engine.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/error.hpp"
@@ -67,7 +67,7 @@ EngineRecord tiled_record() {
   return {.name = "tiled",
           .documentation = "the same moves in an order that all cores can share",
           .uses_threads = true,
-          .uses_ranks = true,
+          .uses_processes = true,
           .bytes_per_disk = 232.0,
           .bytes_per_disk_of_checkpoint = 19.0,
           .unused_because_of =
@@ -77,7 +77,7 @@ EngineRecord tiled_record() {
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
-            if (settings.processes.count() > 1) return std::make_unique<TiledOnRanks>(settings, state);
+            if (settings.processes.count() > 1) return std::make_unique<SharedTiledEngine>(settings, state);
             return std::make_unique<TiledEngine>(settings, state);
           }};
 }

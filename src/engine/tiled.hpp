@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "engine/tiled/steps.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -10,9 +10,9 @@
 #include "grid/candidate_pairs.hpp"
 #include "grid/sorted_pairs.hpp"
 #include "grid/sorted_points.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
 #include "gridlock/grid/detail/row_block.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

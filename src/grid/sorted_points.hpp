@@ -12,11 +12,11 @@
 #include "grid/require.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/look_ahead.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
 #include "gridlock/grid/detail/stored_cells.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -8,99 +8,12 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/observe/pairs.hpp"
-#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/domain.hpp"
 #include "parallel/exchange.hpp"
 
 namespace gridlock {
 
 namespace {
-
-/// The rows of a layout, or its columns: whichever there are more of.
-class Lines {
- public:
-  Lines(CellLayout const& layout, double cutoff)
-      : layout_(layout),
-        are_rows_(layout.rows() >= layout.columns()),
-        rim_(are_rows_ ? layout.rows_within(cutoff) : layout.columns_within(cutoff)) {}
-
-  [[nodiscard]] int count() const { return are_rows_ ? layout_.rows() : layout_.columns(); }
-  [[nodiscard]] int line_of(double x, double y) const { return are_rows_ ? layout_.row_of(y) : layout_.column_of(x); }
-  [[nodiscard]] int rim() const { return rim_; }
-
-  /// Lines begin … end − 1 with the rim around them.
-  [[nodiscard]] CellWindow window(int begin, int end) const {
-    CellWindow window{.first_column = 0, .end_column = layout_.columns(), .first_row = 0, .end_row = layout_.rows()};
-    if (are_rows_) {
-      window.first_row = begin - rim_;
-      window.end_row = end + rim_;
-    } else {
-      window.first_column = begin - rim_;
-      window.end_column = end + rim_;
-    }
-    return within(layout_, window);
-  }
-  /// The line beyond an edge, around a periodic box; −1 for none.
-  [[nodiscard]] int image(int line) const {
-    if (line >= 0 && line < count()) return line;
-    return layout_.is_periodic() ? (line + 2 * count()) % count() : -1;
-  }
-
- private:
-  CellLayout const& layout_;
-  bool are_rows_;
-  int rim_;
-};
-
-/// The first line of each process, and the end: each process gets about as many points.
-std::vector<int> cuts_between(std::span<std::uint64_t const> points_of_lines, std::size_t processes) {
-  std::uint64_t all = 0;
-  for (std::uint64_t const points : points_of_lines) all += points;
-  std::vector<int> cuts{0};
-  std::uint64_t before = 0;
-  for (std::size_t line = 0; line < points_of_lines.size(); ++line) {
-    // Process k begins at the line in whose first half the k-th part of the points ends, or at the one after it.
-    while (cuts.size() < processes && (2 * before + points_of_lines[line]) * processes >= 2 * all * cuts.size()) {
-      cuts.push_back(static_cast<int>(line));
-    }
-    before += points_of_lines[line];
-  }
-  cuts.resize(processes + 1, static_cast<int>(points_of_lines.size()));
-  return cuts;
-}
-
-/// The slab of lines that each process searches, and the processes that need the points of a line for it.
-class Slabs {
- public:
-  Slabs(Lines const& lines, std::vector<int> cuts)
-      : cuts_(std::move(cuts)), processes_around_(static_cast<std::size_t>(lines.count())) {
-    for (std::size_t process = 0; process + 1 < cuts_.size(); ++process) {
-      if (cuts_[process] == cuts_[process + 1]) continue;
-      for (int k = 1; k <= lines.rim(); ++k) {
-        add_around(lines.image(cuts_[process] - k), process);
-        add_around(lines.image(cuts_[process + 1] - 1 + k), process);
-      }
-    }
-  }
-
-  [[nodiscard]] std::size_t owner(int line) const {
-    return static_cast<std::size_t>(std::ranges::upper_bound(cuts_, line) - cuts_.begin() - 1);
-  }
-  /// The processes in whose rim a line lies.
-  [[nodiscard]] std::span<std::size_t const> processes_around(int line) const {
-    return processes_around_[static_cast<std::size_t>(line)];
-  }
-
- private:
-  void add_around(int line, std::size_t process) {
-    if (line < 0 || owner(line) == process) return;
-    // A rim that meets itself on the other side of the box has a line once.
-    std::vector<std::size_t>& processes = processes_around_[static_cast<std::size_t>(line)];
-    if (processes.empty() || processes.back() != process) processes.push_back(process);
-  }
-
-  std::vector<int> cuts_;
-  std::vector<std::vector<std::size_t>> processes_around_;
-};
 
 /// A point on its way.
 struct SentPoint {
@@ -117,42 +30,35 @@ struct PointsOfCells {
   CellWindow window;    ///< of all their cells
 };
 
-/// All points of the slab of this process, and those of the cells around as far as the cutoff reaches; every point is
-/// an own one of one process. (x[i], y[i]) are points of this process anywhere.
-PointsOfCells points_of_slab(Communicator& processes, CellLayout const& layout, double cutoff,
-                             std::span<double const> x, std::span<double const> y) {
-  Lines const lines(layout, cutoff);
-  std::vector<int> line_of_point;
-  std::vector<std::uint64_t> points_of_lines(static_cast<std::size_t>(lines.count()));
-  line_of_point.reserve(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    line_of_point.push_back(lines.line_of(x[i], y[i]));
-    ++points_of_lines[static_cast<std::size_t>(line_of_point.back())];
-  }
-  all_sum(processes, points_of_lines);
-  std::vector<int> const cuts = cuts_between(points_of_lines, processes.count());
-
-  Slabs const slabs(lines, cuts);
-  PointsOfCells points{
-      .x = {}, .y = {}, .own = 0, .window = lines.window(cuts[processes.rank()], cuts[processes.rank() + 1])};
-  std::vector<SentPoint> rim;
+/// All points of the rectangle of this process, and those around as far as the cutoff reaches; every point is an own
+/// one of one process. (x[i], y[i]) are points of this process anywhere.
+PointsOfCells points_of_rectangle(Communicator& processes, CellLayout const& layout, double cutoff,
+                                  std::span<double const> x, std::span<double const> y) {
+  Domain const domain = Domain::of_cells(processes, layout, cutoff, x, y);
+  // A point at the end of a rim may lie in the cell behind it, as numbers round.
+  int const rim = std::max(layout.columns_within(cutoff), layout.rows_within(cutoff)) + 1;
+  PointsOfCells points{.x = {}, .y = {}, .own = 0, .window = domain.own_window(rim)};
+  std::vector<SentPoint> of_rim;
   exchange_values<SentPoint>(
       processes, x.size(),
       [&](std::size_t i, auto give) {
-        give(slabs.owner(line_of_point[i]), SentPoint{x[i], y[i], 0});
-        for (std::size_t const process : slabs.processes_around(line_of_point[i]))
-          give(process, SentPoint{x[i], y[i], 1});
+        Vector const p{x[i], y[i]};
+        std::size_t const owner = domain.owner_of(p);
+        give(owner, SentPoint{p.x, p.y, 0});
+        domain.for_each_that_sees(p, [&](std::size_t process) {
+          if (process != owner) give(process, SentPoint{p.x, p.y, 1});
+        });
       },
       [&](SentPoint const& point) {
         if (point.is_of_rim != 0) {
-          rim.push_back(point);
+          of_rim.push_back(point);
         } else {
           points.x.push_back(point.x);
           points.y.push_back(point.y);
         }
       });
   points.own = points.x.size();
-  for (SentPoint const& point : rim) {
+  for (SentPoint const& point : of_rim) {
     points.x.push_back(point.x);
     points.y.push_back(point.y);
   }
@@ -184,7 +90,7 @@ LocalPoints::LocalPoints(Box const& box, std::span<double const> x, std::span<do
     grid_.emplace(layout, x, y);
     return;
   }
-  PointsOfCells points = points_of_slab(processes, layout, cutoff, x, y);
+  PointsOfCells points = points_of_rectangle(processes, layout, cutoff, x, y);
   own_ = points.own;
   put_in_order_of_cells(layout, points, 0, own_);
   put_in_order_of_cells(layout, points, own_, points.x.size());

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "gridlock/parallel/detail/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 
 namespace gridlock {
 

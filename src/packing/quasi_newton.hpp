@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "packing/soft_forces.hpp"
 
 namespace gridlock {

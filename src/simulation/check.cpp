@@ -112,11 +112,11 @@ void check(Configuration const& configuration, IsGiven const& is_given, AllProce
   require_memory(configuration, processes);
 }
 
-void require_use_of_ranks(Configuration const& configuration, std::size_t ranks) {
-  if (ranks == 1) return;
-  std::optional<Problem> problem = configuration.kind().not_shared_by_ranks(configuration);
+void require_shareable(Configuration const& configuration, std::size_t processes) {
+  if (processes == 1) return;
+  std::optional<Problem> problem = configuration.kind().not_shared(configuration);
   if (!problem) return;
-  problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, ranks);
+  problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, processes);
   if (problem->hint.empty()) {
     problem->hint =
         "disks with engine.kind = \"tiled\" can, and models whose agents take their turns all at once or tile by tile "

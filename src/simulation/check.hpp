@@ -14,8 +14,8 @@ namespace gridlock {
 /// settings with which no run is possible, more memory than there is. Errors: Error.
 void check(Configuration const& configuration, IsGiven const& is_given, AllProcesses processes);
 
-/// Refuses a run that so many ranks cannot share. Errors: Error.
-void require_use_of_ranks(Configuration const& configuration, std::size_t ranks);
+/// Refuses a run that so many processes cannot share. Errors: Error.
+void require_shareable(Configuration const& configuration, std::size_t processes);
 
 /// Refuses a run that cannot come to its end, and frames that cannot be: of a set-up whose simulation is made.
 /// Errors: Error.

@@ -112,7 +112,7 @@ std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings 
 }
 
 /// In equilibrium one disk in 10¹³ is four times as fast as the speed that an engine has its time step from.
-std::optional<Event> fast_on_ranks(EngineSettings const& engine, DisksOverview const& disks) {
+std::optional<Event> wait_for_fast_disks(EngineSettings const& engine, DisksOverview const& disks) {
   double const speed = engine.speed.value_or(1.0);
   if (engine.processes.count() == 1 || !(speed > 0.0) || !(disks.largest_speed > 4.0 * speed)) return std::nullopt;
   return Event{.kind = EventKind::fast_on_ranks,
@@ -202,9 +202,9 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] bool uses_threads(Configuration const& configuration) const override {
     return engine_record(configuration.engine.kind).uses_threads;
   }
-  [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override {
+  [[nodiscard]] std::optional<Problem> not_shared(Configuration const& configuration) const override {
     if (!configuration.protocol.empty()) return Problem{.what = "a run with a [[protocol]]", .key = "protocol"};
-    if (engine_record(configuration.engine.kind).uses_ranks) return {};
+    if (engine_record(configuration.engine.kind).uses_processes) return {};
     return Problem{.what = fmt::format("the engine \"{}\"", configuration.engine.kind), .key = "engine.kind"};
   }
   [[nodiscard]] bool ends_within_steps(Configuration const& configuration) const override {
@@ -286,7 +286,7 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
   require_short_substeps(settings, disks);
   if (auto note = misleading_rule(box, disks, engine_record(settings.kind))) setup.notes.push_back(*std::move(note));
   if (auto note = nothing_moves(disks, setup.configuration.velocities)) setup.notes.push_back(*std::move(note));
-  if (auto note = fast_on_ranks(settings, disks)) setup.notes.push_back(*std::move(note));
+  if (auto note = wait_for_fast_disks(settings, disks)) setup.notes.push_back(*std::move(note));
 }
 
 void DisksKind::build(Setup& setup, SetupOptions const& options) const {

@@ -14,9 +14,9 @@
 #include "gridlock/lattice/start.hpp"
 #include "io/xyz_reader.hpp"
 #include "parallel/disks_of_all.hpp"
+#include "simulation/shared_start.hpp"
 #include "simulation/slow_start.hpp"
 #include "simulation/start_file.hpp"
-#include "simulation/start_on_ranks.hpp"
 
 namespace gridlock {
 
@@ -166,7 +166,7 @@ State start_of_file(Setup& setup, SetupOptions const& options) {
     return deal_out(processes, std::move(whole));
   }
   RowsOfFile read = blaming_file(setup.start_file, [&] {
-    return read_on_ranks(
+    return read_together(
         processes.communicator(), configuration.disks,
         {.reader = processes.is_root() ? &*reader : nullptr, .take_summary = [&](StartFileSummary const& summary) {
            take_summary(configuration, summary, options.is_given);

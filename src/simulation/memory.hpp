@@ -13,8 +13,8 @@ namespace gridlock {
 /// Refuses a run that needs more memory than the machine has free, before any of it is asked for: a system short of
 /// memory kills the program, which leaves no message and no results.
 ///
-/// Counts what can become large: the agents, the cells of the grid, the rows of the series. Of agents that ranks divide
-/// the share of those on this machine. An estimate, on the low side.
+/// Counts what can become large: the agents, the cells of the grid, the rows of the series. Of agents that
+/// processes share those on this machine count. An estimate, on the low side.
 void require_memory(Configuration const& configuration, AllProcesses processes);
 
 /// The bytes a run needs by the same estimate; more closely where it is known how many agents there are.

@@ -67,7 +67,7 @@ void forget_model(std::string_view name) {
   all_known().remove(name);
 }
 
-std::optional<Problem> ModelKind::not_shared_by_ranks(Configuration const& /*configuration*/) const {
+std::optional<Problem> ModelKind::not_shared(Configuration const& /*configuration*/) const {
   return Problem{.what = fmt::format("the model \"{}\"", name()), .key = "model.kind"};
 }
 
@@ -101,8 +101,8 @@ std::string AgentsKind::unused_because_of(Configuration const& configuration, st
   return is_used ? "" : fmt::format("model.kind = \"{}\"", name());
 }
 
-std::optional<Problem> AgentsKind::not_shared_by_ranks(Configuration const& configuration) const {
-  if (!can_be_divided_among_ranks()) return ModelKind::not_shared_by_ranks(configuration);
+std::optional<Problem> AgentsKind::not_shared(Configuration const& configuration) const {
+  if (!can_be_shared()) return ModelKind::not_shared(configuration);
   if (configuration.model.verify_every == 0) return {};
   return Problem{.what = "a run with model.verify_every, whose searches are compared with a look at all agents,",
                  .hint = "leave model.verify_every out, or use gridlock run",

@@ -51,7 +51,7 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
 Setup set_up(Configuration configuration, SetupOptions const& options) {
   options.processes.agree([&] {
     check(configuration, options.is_given, options.processes);
-    require_use_of_ranks(configuration, options.processes.count());
+    require_shareable(configuration, options.processes.count());
   });
   Setup setup;
   setup.notes = unused_settings(configuration, options.is_given);

@@ -256,15 +256,15 @@ class RunInDirectory {
   }
 
   void log_traffic() {
-    std::vector<Traffic> const ranks = processes_.communicator().traffic_of_ranks();
-    for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
+    std::vector<Traffic> const traffic = processes_.communicator().traffic_of_ranks();
+    for (std::size_t process = 0; process < traffic.size(); ++process) {
       log_.write({.kind = EventKind::traffic_counted,
                   .severity = Severity::info,
                   .step = simulation_.clock().step,
-                  .values = {{"rank", std::uint64_t{rank}},
-                             {"messages_sent", ranks[rank].messages},
-                             {"bytes_sent", ranks[rank].bytes},
-                             {"seconds_waiting", ranks[rank].seconds_waiting}}});
+                  .values = {{"rank", std::uint64_t{process}},
+                             {"messages_sent", traffic[process].messages},
+                             {"bytes_sent", traffic[process].bytes},
+                             {"seconds_waiting", traffic[process].seconds_waiting}}});
     }
   }
 

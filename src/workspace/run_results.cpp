@@ -56,18 +56,19 @@ std::optional<double> packing_fraction_of(FrameSource const& frame) {
   return area / frame.box().area();
 }
 
-/// The traffic of the ranks of a run: messages sent, and how long each has waited.
-Json to_json(std::vector<Traffic> const& ranks) {
+/// The traffic of the processes of a run.
+Json to_json(std::vector<Traffic> const& processes) {
   Json json = Json::array();
-  for (Traffic const& rank : ranks) {
-    json.push_back(
-        {{"messages_sent", rank.messages}, {"bytes_sent", rank.bytes}, {"seconds_waiting", rank.seconds_waiting}});
+  for (Traffic const& of_process : processes) {
+    json.push_back({{"messages_sent", of_process.messages},
+                    {"bytes_sent", of_process.bytes},
+                    {"seconds_waiting", of_process.seconds_waiting}});
   }
   return json;
 }
 
 std::string summary_json(std::string const& versions, Configuration const& configuration, std::uint64_t start_hash,
-                         RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& ranks) {
+                         RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& traffic) {
   Json json;
   json["gridlock"] = versions;
   json["status"] = to_text(record.status);
@@ -91,7 +92,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
   json["timing"] = {{"seconds", record.seconds},
                     {"agent_steps_per_second", record.agent_steps_per_second()},
                     {"target", to_text(target())}};
-  if (!ranks.empty()) json["timing"]["ranks"] = to_json(ranks);
+  if (!traffic.empty()) json["timing"]["ranks"] = to_json(traffic);
   json["counters"] = to_json(record.counts);
   for (auto const& [name, estimate, unit] : record.results) {
     // A model may call what it observes "time" or "seed".
@@ -108,7 +109,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
 
 void write_run_results(std::filesystem::path const& directory, std::string const& versions,
                        Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
-                       FrameSource const& frame, std::vector<Traffic> const& ranks) {
+                       FrameSource const& frame, std::vector<Traffic> const& traffic) {
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
@@ -122,7 +123,7 @@ void write_run_results(std::filesystem::path const& directory, std::string const
     record_result(directory / "final.xyz");
     write_xyz(frame, directory / "final.xyz");
   }
-  write_file(directory / summary_name, summary_json(versions, configuration, start_hash, record, frame, ranks));
+  write_file(directory / summary_name, summary_json(versions, configuration, start_hash, record, frame, traffic));
 }
 
 }  // namespace gridlock

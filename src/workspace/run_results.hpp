@@ -13,10 +13,10 @@ namespace gridlock {
 
 /// Writes what a run has found: series.csv, a table for each distribution, final.xyz, and summary.json as the last one.
 ///
-/// `versions` are those of the programs that have worked on it, `ranks` what each rank has sent, empty for one process.
-/// Errors: RunFailure where a file cannot be written, Error where one of the user has come into the way.
+/// `versions` are those of the programs that have worked on it, `traffic` is that of each process, none where there is
+/// one. Errors: RunFailure where a file cannot be written, Error where one of the user has come into the way.
 void write_run_results(std::filesystem::path const& directory, std::string const& versions,
                        Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
-                       FrameSource const& frame, std::vector<Traffic> const& ranks);
+                       FrameSource const& frame, std::vector<Traffic> const& traffic);
 
 }  // namespace gridlock

@@ -42,7 +42,7 @@ class SweepCrew {
   [[nodiscard]] virtual std::size_t processes_on_machine() const = 0;
 
   /// How many processes share each run; the last group may have fewer.
-  [[nodiscard]] virtual std::size_t ranks_of_run() const { return 1; }
+  [[nodiscard]] virtual std::size_t processes_of_run() const { return 1; }
   /// Those that share runs with this process, after meet().
   [[nodiscard]] virtual AllProcesses processes() { return {}; }
 

@@ -69,7 +69,7 @@ void SweepSetup::look_at(std::size_t run) {
     MemoryBudget::Part const memory(memory_, expected_memory(configuration));
     // Only to be looked at.
     Setup const setup = set_up(plan_.runs[run].settings, {.threads = 1});
-    require_use_of_ranks(run, setup.configuration);
+    require_shareable(run, setup.configuration);
     notes_[run] = setup.notes;
     if (auto refusal = directory_.refusal_of(run, setup)) {
       std::scoped_lock const guard(mutex_);
@@ -96,10 +96,10 @@ void SweepSetup::look_at(std::size_t run) {
   }
 }
 
-void SweepSetup::require_use_of_ranks(std::size_t run, Configuration const& configuration) const {
+void SweepSetup::require_shareable(std::size_t run, Configuration const& configuration) const {
   if (settings_.crew == nullptr) return;
   try {
-    gridlock::require_use_of_ranks(configuration, settings_.crew->ranks_of_run());
+    gridlock::require_shareable(configuration, settings_.crew->processes_of_run());
   } catch (Error const& error) {
     throw plan_.runs[run].settings.locate(error);
   }

@@ -40,7 +40,7 @@ class SweepSetup {
  private:
   void set_up_all();
   void look_at(std::size_t run);
-  void require_use_of_ranks(std::size_t run, Configuration const& configuration) const;
+  void require_shareable(std::size_t run, Configuration const& configuration) const;
   void note_failure(std::size_t run, std::exception const& error);
   void require_one_good() const;
   void share_out_threads();

@@ -55,7 +55,7 @@ TEST(WhichEngine, SaysOfThreadsRanksAndMemoryWhatTheRecordsSay) {
   std::string const text = page("docs/getting_started/which_engine.md");
   ASSERT_EQ(engine_records().size(), 3U) << "the table has a column for each engine";
   expect_row(text, "threads in one run", [](EngineRecord const& record) { return number(record.uses_threads); });
-  expect_row(text, "ranks of MPI in one run", [](EngineRecord const& record) { return number(record.uses_ranks); });
+  expect_row(text, "ranks of MPI in one run", [](EngineRecord const& record) { return number(record.uses_processes); });
   expect_row(text, "memory it counts with",
              [](EngineRecord const& record) { return fmt::format("{}", record.bytes_per_disk); });
   expect_row(text, "more with checkpoints",
@@ -84,7 +84,7 @@ TEST(WhichEngine, ListsTheModelsWithTheirThreadsAndRanks) {
     std::vector<std::string> const cells = cells_of(text, "`" + name + "`");
     ASSERT_EQ(cells.size(), 3U) << name;
     EXPECT_EQ(cells[1], number(kind->uses_threads(configuration))) << name;
-    EXPECT_EQ(cells[2], number(!kind->not_shared_by_ranks(configuration))) << name;
+    EXPECT_EQ(cells[2], number(!kind->not_shared(configuration))) << name;
     EXPECT_NE(explanation.find(name), std::string::npos) << name << " is not in docs/explanation/models.md";
   }
   EXPECT_NE(explanation.find("Gridlock comes with " + numbers[models] + " models"), std::string::npos) << models;
@@ -150,15 +150,16 @@ struct Statement {
 };
 
 bool uses_threads(char const* engine) { return engine_record(engine).uses_threads; }
-bool uses_ranks(char const* engine) { return engine_record(engine).uses_ranks; }
+bool uses_processes(char const* engine) { return engine_record(engine).uses_processes; }
 
 TEST(Limits, AreThoseOfTheRecords) {
   Statement const statements[] = {
       {"docs/explanation/limits.md", "`stepped` uses one core for a run.", !uses_threads("stepped")},
       {"docs/explanation/limits.md", "`tiled` uses several, and so does `exact`",
        uses_threads("tiled") && uses_threads("exact")},
-      {"docs/explanation/limits.md", "A single run can be shared if it uses `tiled`", uses_ranks("tiled")},
-      {"docs/explanation/limits.md", "No other engine can be shared", !uses_ranks("stepped") && !uses_ranks("exact")},
+      {"docs/explanation/limits.md", "A single run can be shared if it uses `tiled`", uses_processes("tiled")},
+      {"docs/explanation/limits.md", "No other engine can be shared",
+       !uses_processes("stepped") && !uses_processes("exact")},
       {"docs/how_to/cluster.md", "`tiled` uses several cores (`-j N` or `engine.threads`), and so does `exact`",
        uses_threads("tiled") && uses_threads("exact")},
       {"docs/how_to/sweeps.md", "runs of `exact`, `tiled` and of models share the cores", uses_threads("exact")},

@@ -55,7 +55,7 @@ TEST(Measures, ArchitectureIsOnePage) {
 
 TEST(Measures, FewLinesAreWide) {
   constexpr std::size_t max_width = 120;
-  constexpr std::size_t max_wide_lines = 44;
+  constexpr std::size_t max_wide_lines = 33;
   std::size_t wide = 0;
   std::string where;
   for (fs::path const& path : sources()) {
@@ -73,10 +73,8 @@ TEST(Measures, FewLinesAreWide) {
 TEST(Measures, FewFilesAreLong) {
   constexpr std::size_t max_lines = 450;
   std::map<std::string, std::size_t> const known{{"include/gridlock/grid/detail/packed_grid.hpp", 461},
-                                                 {"include/gridlock/model/detail/share.hpp", 485},
-                                                 {"include/gridlock/model/detail/tiled_share.hpp", 536},
                                                  {"src/engine/batched_moves.cpp", 691},
-                                                 {"src/engine/tiled/share.cpp", 540},
+                                                 {"src/engine/tiled/share.cpp", 511},
                                                  {"src/io/h5md_writer.cpp", 543},
                                                  {"src/packing/minimizer.cpp", 454},
                                                  {"src/simulation/protocol_simulation.cpp", 493}};
@@ -89,7 +87,7 @@ TEST(Measures, FewFilesAreLong) {
 
 /// A comment is a sentence with subject and verb, or a noun with its unit.
 TEST(Measures, FewCommentsBeginWithoutANoun) {
-  constexpr std::size_t max_openings = 113;
+  constexpr std::size_t max_openings = 47;
   static std::regex const opening(R"(^\s*///?\s*(What|Of|Whoever) )");
   std::size_t openings = 0;
   std::string where;

@@ -15,7 +15,7 @@
 #include "golden/model_scenes.hpp"
 #include "golden/scenes.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
-#include "gridlock/model/detail/model_on_ranks.hpp"
+#include "gridlock/model/detail/shared_model_engine.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "parallel/disks_of_all.hpp"
@@ -27,9 +27,9 @@ template <class Model>
 void run_model(gridlock::Communicator& ranks, std::string const& scene, Model const& model, gridlock::Box const& box,
                std::uint64_t steps, std::uint64_t threads) {
   gridlock::World<Model> own{.box = box, .agents = {}, .clock = {}, .seed = gridlock::golden::seed_of_models};
-  gridlock::start_on_ranks(model, own, ranks, [](auto const& act) { act(); });
+  gridlock::start_together(model, own, ranks, [](auto const& act) { act(); });
   gridlock::ModelSimulation<Model> simulation(
-      model, std::move(own), std::make_unique<gridlock::ModelOnRanks<Model>>(model, ranks, threads), {}, ranks);
+      model, std::move(own), std::make_unique<gridlock::SharedModelEngine<Model>>(model, ranks, threads), {}, ranks);
   std::uint64_t const start = simulation.state_hash();
   simulation.advance({.step = steps});
   std::uint64_t const end = simulation.state_hash();

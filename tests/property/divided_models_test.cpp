@@ -184,9 +184,9 @@ std::vector<std::size_t> agents_of_ranks(Model const& model, std::size_t ranks, 
   std::vector<std::size_t> agents(ranks);
   ThreadRanks(ranks).run([&](Communicator& here) {
     World<Model> own{.box = Box(1.25, 0.8, Edge::periodic), .seed = 5};
-    start_on_ranks(model, own, here, [](auto const& act) { act(); });
+    start_together(model, own, here, [](auto const& act) { act(); });
     Counters counters;
-    ModelOnRanks<Model> engine(model, here, 1);
+    SharedModelEngine<Model> engine(model, here, 1);
     engine.advance(own, counters, {.step = steps});
     engine.advance(own, counters, {.step = steps + 1});
     agents[here.rank()] = own.agents.size();

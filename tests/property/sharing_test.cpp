@@ -14,9 +14,9 @@
 
 #include "engine/exact/dynamics.hpp"
 #include "gridlock/core/detail/message.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 #include "io/checkpoint.hpp"
 
 namespace gridlock {

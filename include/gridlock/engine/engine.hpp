@@ -133,7 +133,7 @@ struct EngineRecord {
   std::string_view documentation;  ///< what it is, in words that follow its name
   bool has_time_step = true;       ///< false: it goes from event to event, and a run can end within a step
   bool uses_threads = false;
-  bool uses_ranks = false;                    ///< EngineSettings::processes
+  bool uses_processes = false;                ///< EngineSettings::processes
   double bytes_per_disk = 0.0;                ///< at the peak of a run, all of the program counted
   double bytes_per_disk_of_threads = 0.0;     ///< what more than one thread add to that peak
   double bytes_per_disk_of_checkpoint = 0.0;  ///< what a checkpoint adds to that peak

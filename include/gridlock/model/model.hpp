@@ -99,8 +99,8 @@ class Observations {
   std::vector<Entry> entries_;
 };
 
-/// Whether ranks can divide the agents of a model, so that none has all of them: they take their turns all at once or
-/// tile by tile, and what the model asks of all agents are sums.
+/// Whether processes can divide the agents of a model, so that none has all of them: they take their turns all at once
+/// or tile by tile, and what the model asks of all agents are sums.
 template <class Model>
 consteval bool can_be_divided() {
   constexpr bool observes_world = requires(Model const& model, World<Model> const& world, Observations& seen) {

@@ -32,17 +32,17 @@
 
 #include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
 #include "gridlock/model/detail/agents_in_cell_order.hpp"
+#include "gridlock/model/detail/cells_of_step.hpp"
 #include "gridlock/model/detail/checks.hpp"
-#include "gridlock/model/detail/rank_division.hpp"
 #include "gridlock/model/detail/turns_in_tiles.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -103,7 +103,7 @@ struct Neighbourhood {
   RowBlock block;
   /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
   bool is_confined = false;
-  /// Tiled, of a late turn on ranks: gets what other ranks have in the cells around a point, so many columns and rows
+  /// Tiled, of a late turn among processes: gets what others have in the cells around a point, so many columns and rows
   /// to each side.
   std::function<void(Vector p, int columns, int rows)> const* get_cells = nullptr;
 };

@@ -28,7 +28,7 @@ enum class EventKind {
   note_of_model,        ///< what a model says of its start, in its own words
   frames_beyond_end,    ///< frames are asked for that lie beyond the end of the run
   nothing_moves,        ///< no disk has a velocity
-  fast_on_ranks,        ///< several ranks share disks so fast that those of one rank wait for those of others
+  fast_on_ranks,        ///< several processes share disks so fast that those of one wait for those of others
   start_not_tried,      ///< the start takes long and was left out
   stage_with_two_ends,  ///< the first one that it reaches ends it
   velocities_drawn,     ///< the start file has none
@@ -60,7 +60,7 @@ enum class EventKind {
   disks_in_cages,          ///< hard disks have collided many times and moved less than a diameter
   time_stands_still,       ///< hard disks collide and hardly fly
   audited,
-  traffic_counted,  ///< what one of several ranks has sent, and how long it has waited
+  traffic_counted,  ///< the messages of one of several processes, and its time of waiting
   ended,
 };
 

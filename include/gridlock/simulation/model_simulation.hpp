@@ -39,7 +39,7 @@ namespace gridlock {
 template <class Model>
 class ModelObservations final : public AveragingObservable {
  public:
-  /// Keeps a view of the world; where ranks divide the agents, of those of this rank.
+  /// Keeps a view of the world; where processes share the agents, of those of this one.
   ModelObservations(Model model, World<Model> const& world) : model_(std::move(model)), world_(world) {}
 
   [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }

@@ -30,7 +30,7 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/model/detail/model_on_ranks.hpp"
+#include "gridlock/model/detail/shared_model_engine.hpp"
 #include "gridlock/simulation/detail/model_kind.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/setup.hpp"
@@ -66,7 +66,7 @@ class AgentsKind : public ModelKind {
   [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override;
   [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override;
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t agents) const override;
-  [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override;
+  [[nodiscard]] std::optional<Problem> not_shared(Configuration const& configuration) const override;
   void build(Setup& setup, SetupOptions const& options) const override;
 
  protected:
@@ -75,14 +75,14 @@ class AgentsKind : public ModelKind {
 
   /// The settings of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
-  [[nodiscard]] virtual bool can_be_divided_among_ranks() const { return false; }
+  [[nodiscard]] virtual bool can_be_shared() const { return false; }
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
   /// How many random places the start will try in all, each about 0.15 µs, where the model says so; else 0.
   [[nodiscard]] virtual double attempts_at_start(Box const& box, std::uint64_t seed) const = 0;
   /// Appends to `notes` where the model says that its results mislead. Contract: several processes share it only where
-  /// can_be_divided_among_ranks(). Errors: Error.
+  /// can_be_shared(). Errors: Error.
   [[nodiscard]] virtual std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings,
                                                          ObserveSettings const& observed,
@@ -121,7 +121,7 @@ class ModelKindOf final : public AgentsKind {
   void describe_model(SettingVisitor& visitor) override {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
-  [[nodiscard]] bool can_be_divided_among_ranks() const override { return can_be_divided<Model>(); }
+  [[nodiscard]] bool can_be_shared() const override { return can_be_divided<Model>(); }
   [[nodiscard]] std::uint64_t agents_at_start() const override {
     if constexpr (requires { model_.agents_at_start(); }) {
       return model_.agents_at_start();
@@ -164,8 +164,8 @@ class ModelKindOf final : public AgentsKind {
     auto const blame = [](std::function<void()> const& act) { blame_table(Model::name, act); };
     if constexpr (can_be_divided<Model>()) {
       if (processes.count() > 1) {
-        start_on_ranks(model_, world, processes.communicator(), blame);
-        return std::make_unique<ModelOnRanks<Model>>(model_, processes, settings.threads);
+        start_together(model_, world, processes.communicator(), blame);
+        return std::make_unique<SharedModelEngine<Model>>(model_, processes, settings.threads);
       }
     }
     blame([&] {

@@ -58,7 +58,7 @@ struct Shard {
   std::size_t count = 1;
 };
 
-/// Processes that carry out one sweep together, as the program `gridlock-mpi` makes one of the ranks of MPI.
+/// Processes that carry out one sweep together, as the program `gridlock-mpi` makes one.
 class SweepCrew;
 
 /// How a sweep is carried out.

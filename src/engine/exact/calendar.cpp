@@ -17,7 +17,7 @@ constexpr std::uint64_t few_disks = 3000;
 constexpr std::uint32_t bits_of_large_group = 11;
 constexpr std::uint32_t bits_of_small_group = 6;
 /// More than that are sorted by comparing them two by two.
-constexpr std::size_t max_ranked = 64;
+constexpr std::size_t max_counted = 64;
 
 }  // namespace
 
@@ -104,24 +104,24 @@ void Calendar::make_room_for_found() {
 }
 
 void Calendar::sort_due(MovingDisk const* disks) {
-  if (due_count_ <= max_ranked && rank_due()) return;
+  if (due_count_ <= max_counted && sort_due()) return;
   std::copy_n(found_.begin(), due_count_, due_.begin());
   std::sort(due_.data(), due_.data() + due_count_,
             [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); });
 }
 
 /// Puts each event at its place, which is how many are earlier. Says no where two have the same time.
-bool Calendar::rank_due() {
-  std::array<double, max_ranked> times;
-  std::array<std::uint64_t, max_ranked> ranks;
+bool Calendar::sort_due() {
+  std::array<double, max_counted> times;
+  std::array<std::uint64_t, max_counted> places;
   std::size_t const batches = (due_count_ + times_per_batch - 1) / times_per_batch;
   std::fill_n(times.begin() + static_cast<std::ptrdiff_t>((batches - 1) * times_per_batch), times_per_batch, never);
   for (std::size_t k = 0; k < due_count_; ++k) times[k] = found_[k].time;
-  count_earlier_(times.data(), batches, ranks.data());
+  count_earlier_(times.data(), batches, places.data());
   std::uint64_t sum = 0;
   for (std::size_t k = 0; k < due_count_; ++k) {
-    due_[ranks[k]] = found_[k];
-    sum += ranks[k];
+    due_[places[k]] = found_[k];
+    sum += places[k];
   }
   return sum == due_count_ * (due_count_ - 1) / 2;
 }

@@ -116,7 +116,7 @@ class Calendar {
   bool open_next_bucket(MovingDisk const* disks);
   void make_room_for_found();
   void sort_due(MovingDisk const* disks);
-  bool rank_due();
+  bool sort_due();
   bool open_next_group();
   std::uint32_t new_chunk(std::uint32_t next);
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "engine/exact/flight.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock::exact {
 

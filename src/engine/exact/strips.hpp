@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/exact/flight.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock::exact {
 

@@ -79,12 +79,12 @@ LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, 
 
 std::vector<std::size_t> levels_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach) {
   std::vector<std::size_t> levels(disks.size(), 0);
-  std::unordered_map<std::uint32_t, std::size_t> last_of_rank;
+  std::unordered_map<std::uint32_t, std::size_t> last_of_process;
   std::unordered_map<int, std::vector<std::size_t>> of_row;  // earlier disks
   int const rows = layout.rows();
   int const rows_around = std::min(4 * reach + 1, rows);
   for (std::size_t k = 0; k < disks.size(); ++k) {
-    std::size_t& last = last_of_rank[disks[k].rank];
+    std::size_t& last = last_of_process[disks[k].process];
     std::size_t level = last;
     int const row = disks[k].cell / layout.columns();
     for (int n = 0; n < rows_around; ++n) {
@@ -92,7 +92,7 @@ std::vector<std::size_t> levels_of(CellLayout const& layout, std::span<LateDisk 
       if (near == of_row.end()) continue;
       for (std::size_t const before : near->second) {
         bool const waits =
-            disks[before].rank != disks[k].rank && may_meet(layout, disks[before].cell, disks[k].cell, reach);
+            disks[before].process != disks[k].process && may_meet(layout, disks[before].cell, disks[k].cell, reach);
         if (waits) level = std::max(level, levels[before] + 1);
       }
     }

@@ -14,7 +14,7 @@ struct LateDisk {
   std::uint32_t tile;
   std::uint32_t id_index;
   std::int32_t cell;
-  std::uint32_t rank;
+  std::uint32_t process;
   double energy;         ///< that it can have at most when its turn comes
   double smallest_mass;  ///< of those that share this energy
   double largest_radius;
@@ -42,10 +42,9 @@ struct LateGroups {
 };
 LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach);
 
-/// When disks take their turns that other ranks must know of: those of one level at once, after those of the levels
-/// before.
-/// `disks` are in the order of their turns. A rank keeps that order among its own; one that may meet an earlier one of
-/// another rank comes a level after it.
+/// The levels in which disks take their turns that other processes must know of: those of one level at once, after
+/// those of the levels before. `disks` are in the order of their turns. A process keeps that order among its own; a
+/// disk that may meet an earlier one of another process comes a level after it.
 std::vector<std::size_t> levels_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach);
 
 }  // namespace gridlock::tiled

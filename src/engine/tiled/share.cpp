@@ -14,7 +14,9 @@ namespace gridlock::tiled {
 
 namespace {
 
-/// What a rank tells all others of its late disks, before those that others may see.
+using Neighbour = Halo::Neighbour;
+
+/// The head of the message of a process about its late disks, before those that others may see.
 struct LateHead {
   int needed_reach;
   bool may_jump;
@@ -51,38 +53,36 @@ std::array<std::uint64_t, 8> bits_of(DiskInTurn const& disk) {
 
 }  // namespace
 
-Share::Share(Communicator& ranks, TurnRule const& rule, CellLayout const& layout,
-             std::vector<Tiling::Rectangle> division, std::uint64_t threads, LargeArray<DiskInTurn>&& disks)
-    : ranks_(ranks),
+Share::Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, LargeArray<DiskInTurn>&& disks)
+    : domain_(std::move(domain)),
+      processes_(domain_.processes()),
       rule_(rule),
-      layout_(layout),
-      tiling_(layout),
-      division_(std::move(division)),
-      own_(division_[ranks.rank()]),
-      own_cells_(window_around(layout_, tiling_, own_, 0)),
+      layout_(domain_.cells()),
+      tiling_(layout_),
       thread_pool_(threads) {
   // Twice the room of a turn within the ring: hardly ever is a disk faster.
   constexpr int usual_reach = 2;
   place(std::move(disks), usual_reach);
 }
 
-/// Puts the disks of this rank in the order of their turns, and asks other ranks for those of the rim.
+/// Puts the disks of this process in the order of their turns, and asks others for those of the rim.
 void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   if (reach != reach_) {
     reach_ = reach;
-    window_ = window_around(layout_, tiling_, own_, reach_);
-    find_neighbours();
+    window_ = domain_.own_window(reach_);
+    halo_ = Halo(domain_, reach_);
+    rings_before_.resize(halo_.neighbours().size());
     find_rounds();
   }
-  std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
+  std::vector<std::uint32_t> tiles = tiles_of(tiling_, domain_.own_tiles());
   put_in_order(own,
                CellOfTurn(layout_, tiling_, tiles).order(own.size(), [&](std::size_t k) { return own[k].position; }));
   steps_.emplace(HotDisks(std::move(own)), rule_, layout_, tiling_, window_, std::move(tiles));
   steps_since_sort_ = 0;
-  for (Neighbour const& neighbour : neighbours_) {
-    send_cells(neighbour.rank, common_cells(layout_, own_cells_, neighbour.window));
+  for (Neighbour const& neighbour : halo_.neighbours()) {
+    send_cells(neighbour.process, common_cells(layout_, domain_.own_window(0), neighbour.window));
   }
-  for (Neighbour const& neighbour : neighbours_) receive_cells(neighbour.rank);
+  for (Neighbour const& neighbour : halo_.neighbours()) receive_cells(neighbour.process);
 }
 
 /// The same again, while a step may be under way.
@@ -92,25 +92,10 @@ void Share::place_anew(int reach) {
   steps_->results() = std::move(results);
 }
 
-void Share::find_neighbours() {
-  neighbours_.clear();
-  for (std::size_t rank = 0; rank < division_.size(); ++rank) {
-    CellWindow const window = window_around(layout_, tiling_, division_[rank], reach_);
-    if (rank != ranks_.rank() && overlap(layout_, window_, window)) {
-      neighbours_.push_back({.rank = rank,
-                             .own = window_around(layout_, tiling_, division_[rank], 0),
-                             .seen = window_around(layout_, tiling_, division_[rank], 1),
-                             .window = window,
-                             .changed = {},
-                             .ring_before = {}});
-    }
-  }
-}
-
-/// Which tiles come in which round, and before or after others are told of it.
+/// Finds the round of each tile, and whether others are told of it before or after.
 void Share::find_rounds() {
   rounds_ = {};
-  std::vector<Tiling::Round> rounds = tiling_.rounds(own_, thread_pool_.size());
+  std::vector<Tiling::Round> rounds = tiling_.rounds(domain_.own_tiles(), thread_pool_.size());
   std::vector<std::uint8_t> const latest = latest_phases(rounds);
   for (std::size_t k = 1; k < Tiling::colours; ++k) rounds_[k].before_sending = std::move(rounds[k]);
   for (Tiling::Part& part : rounds[0]) {
@@ -118,31 +103,12 @@ void Share::find_rounds() {
     std::ranges::stable_sort(part, {}, [&](std::uint32_t tile) { return latest[tile]; });
     fill_rounds(part, latest, rounds[0].size());
   }
-  for (Neighbour& neighbour : neighbours_) {
-    for (std::size_t k = 0; k < Tiling::colours; ++k) neighbour.changed[k] = cells_of_round(rounds_[k], neighbour.seen);
-  }
+  for (std::size_t k = 0; k < Tiling::colours; ++k) halo_.plan(k, rounds_[k].before_sending, layout_, tiling_);
 }
 
-/// What tiles of a round may change in a window.
-Share::CellsOfRound Share::cells_of_round(Round const& round, CellWindow const& window) const {
-  CellsOfRound cells;
-  std::vector<int> all;
-  for (Tiling::Part const& part : round.before_sending) {
-    for (std::uint32_t const number : part) {
-      Tiling::Tile const& tile = tiling_.tiles()[number];
-      std::ranges::copy(common_cells(layout_, window_around(layout_, tile, 1), window), std::back_inserter(all));
-      std::ranges::copy(common_cells(layout_, window_around(layout_, tile, 0), window), std::back_inserter(cells.own));
-    }
-  }
-  sort_and_drop_repeats(all);
-  sort_and_drop_repeats(cells.own);
-  std::ranges::set_difference(all, cells.own, std::back_inserter(cells.ring));
-  return cells;
-}
-
-/// When the tiles of the first round must have taken their turns at the latest: 0 before anything is sent, for those
-/// that change cells that others store; k before round k, for those that must come before a tile of that round; and
-/// none later than a tile of the first round that comes after it. Of all tiles.
+/// The latest time at which the tiles of the first round must have taken their turns: 0 before anything is sent, for
+/// those that change cells that others store; k before round k, for those that must come before a tile of that round;
+/// and none later than a tile of the first round that comes after it. Of all tiles.
 std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const& rounds) const {
   std::vector<std::uint8_t> latest(tiling_.tiles().size(), Tiling::colours);
   for (std::size_t k = 1; k < rounds.size(); ++k) {
@@ -154,13 +120,13 @@ std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const&
   for (Tiling::Part const& part : rounds[0]) {
     for (std::uint32_t const tile : part) is_first[tile] = true;
   }
-  std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
+  std::vector<std::uint32_t> tiles = tiles_of(tiling_, domain_.own_tiles());
   std::ranges::reverse(tiles);
   for (std::uint32_t const tile : tiles) {
     if (!is_first[tile]) continue;
     CellWindow const changed = window_around(layout_, tiling_.tiles()[tile], 1);
     bool const is_seen = std::ranges::any_of(
-        neighbours_, [&](Neighbour const& neighbour) { return overlap(layout_, changed, neighbour.seen); });
+        halo_.neighbours(), [&](Neighbour const& neighbour) { return overlap(layout_, changed, neighbour.seen); });
     if (is_seen) latest[tile] = 0;
     // Tiles of higher colours have been looked at.
     tiling_.for_each_around(tile, [&](std::uint32_t other) {
@@ -170,10 +136,11 @@ std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const&
   return latest;
 }
 
-/// Divides the tiles of one of `parts` parts of the first round among the rounds, so that all rounds take as long on
-/// every rank.
+/// Divides the tiles of one of `parts` parts of the first round among the rounds, so that all rounds take as long in
+/// every process.
 void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> const& latest, std::size_t parts) {
-  double const tiles_of_round = static_cast<double>(own_.tiles()) / static_cast<double>(Tiling::colours * parts);
+  double const tiles_of_round =
+      static_cast<double>(domain_.own_tiles().tiles()) / static_cast<double>(Tiling::colours * parts);
   auto const seen = std::ranges::find_if(part, [&](std::uint32_t tile) { return latest[tile] > 0; });
   rounds_[0].before_sending.emplace_back(part.begin(), seen);
   auto next = seen;
@@ -213,23 +180,24 @@ void Share::take_round(Tiling::Round const& round) {
       note_late(tile);
     }
   }
-  ranks_.note_turns(turns);
+  processes_.note_turns(turns);
 }
 
 void Share::exchange(std::size_t round) {
-  for (Neighbour& neighbour : neighbours_) {
-    neighbour.ring_before.clear();
-    copy_cells(neighbour.changed[round].ring, neighbour.ring_before);
+  std::span<Neighbour const> const neighbours = halo_.neighbours();
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    rings_before_[k].clear();
+    copy_cells(neighbours[k].changed[round].ring(), rings_before_[k]);
   }
   take_round(rounds_[round].before_sending);
-  for (Neighbour const& neighbour : neighbours_) {
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
     message_.clear();
-    copy_cells(neighbour.changed[round].own, message_);
-    add_changed_cells(neighbour.ring_before, message_);
-    send(neighbour.rank, message_);
+    copy_cells(neighbours[k].changed[round].own(), message_);
+    add_changed_cells(rings_before_[k], message_);
+    send(neighbours[k].process, message_);
   }
   take_round(rounds_[round].meanwhile);
-  for (Neighbour const& neighbour : neighbours_) receive_cells(neighbour.rank);
+  for (Neighbour const& neighbour : neighbours) receive_cells(neighbour.process);
 }
 
 /// Remembers late disks by Id and cell, for messages give disks other rows.
@@ -240,7 +208,7 @@ void Share::note_late(std::uint32_t tile) {
     late_.push_back({.tile = tile,
                      .id_index = disk.id_index,
                      .cell = steps_->grid().cell_of(row),
-                     .rank = static_cast<std::uint32_t>(ranks_.rank()),
+                     .process = static_cast<std::uint32_t>(processes_.rank()),
                      .energy = 0.0,
                      .smallest_mass = disk.mass,
                      .largest_radius = disk.radius,
@@ -280,44 +248,46 @@ void Share::take_late_turns() {
   take_waves(shared);
 }
 
-/// Sends to each rank what its late disks may look at here, beyond what it is kept up to date of.
+/// Sends to each process the cells that its late disks may look at here, beyond those it is kept up to date of.
 void Share::show_neighbourhoods(std::vector<LateDisk> const& shared) {
   if (reach_ <= 1) return;
-  exchange_zones([&](Neighbour const& neighbour) { return cells_of_zones(shared, neighbour.rank, own_cells_); },
-                 [&](Neighbour const& neighbour) { return cells_of_zones(shared, ranks_.rank(), neighbour.own); });
+  exchange_zones(
+      [&](Neighbour const& neighbour) { return cells_of_zones(shared, neighbour.process, domain_.own_window(0)); },
+      [&](Neighbour const& neighbour) { return cells_of_zones(shared, processes_.rank(), neighbour.own); });
 }
 
-/// Sends to each neighbour what the turns of these late disks have changed in its window, and receives the same.
+/// Sends to each neighbour the cells that the turns of these late disks have changed in its window, and receives such.
 void Share::tell_of_turns(std::vector<LateDisk> const& taken) {
-  exchange_zones([&](Neighbour const& neighbour) { return cells_of_zones(taken, ranks_.rank(), neighbour.window); },
-                 [&](Neighbour const& neighbour) { return cells_of_zones(taken, neighbour.rank, window_); });
+  exchange_zones([&](Neighbour const& neighbour) { return cells_of_zones(taken, processes_.rank(), neighbour.window); },
+                 [&](Neighbour const& neighbour) { return cells_of_zones(taken, neighbour.process, window_); });
 }
 
-/// Sends cells to each neighbour and receives some of it, where there are any: each rank knows from the list of all
+/// Sends cells to each neighbour and receives some of it, where there are any: each process knows from the list of all
 /// late disks which messages there are.
 template <class CellsSent, class CellsReceived>
 void Share::exchange_zones(CellsSent cells_sent, CellsReceived cells_received) {
-  for (Neighbour const& neighbour : neighbours_) {
+  for (Neighbour const& neighbour : halo_.neighbours()) {
     std::vector<int> const cells = cells_sent(neighbour);
-    if (!cells.empty()) send_cells(neighbour.rank, cells);
+    if (!cells.empty()) send_cells(neighbour.process, cells);
   }
-  for (Neighbour const& neighbour : neighbours_) {
-    if (!cells_received(neighbour).empty()) receive_cells(neighbour.rank);
+  for (Neighbour const& neighbour : halo_.neighbours()) {
+    if (!cells_received(neighbour).empty()) receive_cells(neighbour.process);
   }
 }
 
-/// The cells of a window in the zones of the late disks of a rank.
-std::vector<int> Share::cells_of_zones(std::vector<LateDisk> const& late, std::size_t rank,
+/// The cells of a window in the zones of the late disks of a process.
+std::vector<int> Share::cells_of_zones(std::vector<LateDisk> const& late, std::size_t process,
                                        CellWindow const& window) const {
   std::vector<int> cells;
   for (LateDisk const& disk : late) {
-    if (disk.rank == rank) std::ranges::copy(common_cells(layout_, zone_of(disk), window), std::back_inserter(cells));
+    if (disk.process == process)
+      std::ranges::copy(common_cells(layout_, zone_of(disk), window), std::back_inserter(cells));
   }
   sort_and_drop_repeats(cells);
   return cells;
 }
 
-/// The late disks of all ranks whose turns other ranks may see, in the order of their turns; and how far some late disk
+/// The late disks of all processes whose turns others may see, in the order of their turns; and how far some late disk
 /// may look.
 std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
   LateGroups const own = groups_of(layout_, late_, reach_);
@@ -341,11 +311,11 @@ std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
   std::vector<LateDisk> all;
   needed_reach = 0;
   may_jump_ = false;
-  for (Message const& bytes : all_gather(ranks_, message.take())) {
+  for (Message const& bytes : all_gather(processes_, message.take())) {
     MessageReader reader(bytes);
-    auto const of_rank = reader.next<LateHead>();
-    needed_reach = std::max(needed_reach, of_rank.needed_reach);
-    may_jump_ = may_jump_ || of_rank.may_jump;
+    auto const head_of_process = reader.next<LateHead>();
+    needed_reach = std::max(needed_reach, head_of_process.needed_reach);
+    may_jump_ = may_jump_ || head_of_process.may_jump;
     std::vector<LateDisk> const disks = reader.rest<LateDisk>();
     all.insert(all.end(), disks.begin(), disks.end());
   }
@@ -377,17 +347,18 @@ CellWindow Share::zone_of(LateDisk const& late) const {
 }
 
 bool Share::is_seen_by_others(LateDisk const& late) const {
-  return std::ranges::any_of(
-      neighbours_, [&](Neighbour const& neighbour) { return overlap(layout_, zone_of(late), neighbour.window); });
+  return std::ranges::any_of(halo_.neighbours(), [&](Neighbour const& neighbour) {
+    return overlap(layout_, zone_of(late), neighbour.window);
+  });
 }
 
 void Share::take_waves(std::vector<LateDisk> const& shared) {
   std::vector<std::size_t> const levels = levels_of(layout_, shared, reach_);
   std::size_t const end = levels.empty() ? 0 : std::ranges::max(levels) + 1;
-  // Its own among those of all ranks come in the same order.
+  // Its own among those of all processes come in the same order.
   std::size_t next = 0;
   auto const skip_others = [&] {
-    while (next < shared.size() && shared[next].rank != ranks_.rank()) ++next;
+    while (next < shared.size() && shared[next].process != processes_.rank()) ++next;
   };
   skip_others();
   auto late = late_.begin();
@@ -421,7 +392,7 @@ void Share::find_jump() {
     message.add(Jump{.tile = tiles()[k], .row_in_state = disk->row_in_state, .displacement = disk->displacement});
     break;
   }
-  for (Message const& bytes : all_gather(ranks_, message.take())) {
+  for (Message const& bytes : all_gather(processes_, message.take())) {
     for (Jump const& jump : MessageReader(bytes).rest<Jump>()) {
       if (!jump_ || jump.tile < jump_->tile) jump_ = jump;
     }
@@ -436,11 +407,11 @@ void Share::count_step() {
   }
 }
 
-/// The numbers of the disks in the rectangle of this rank.
+/// The numbers of the disks in the tiles of this process.
 std::vector<std::uint32_t> Share::own_disks() const {
   std::vector<std::uint32_t> own;
   own.reserve(steps_->disks().size());
-  for (int const cell : common_cells(layout_, own_cells_, own_cells_)) {
+  for (int const cell : common_cells(layout_, domain_.own_window(0), domain_.own_window(0))) {
     steps_->grid().for_each_in_cell(cell, [&](std::size_t row) { own.push_back(static_cast<std::uint32_t>(row)); });
   }
   return own;
@@ -464,7 +435,7 @@ std::vector<Overlap> Share::find_overlaps(double tolerance) const {
   PackedGrid const& grid = steps_->grid();
   for (std::uint32_t const number : own_disks()) {
     DiskInTurn const& one = steps_->disks()[number];
-    // Cells are as wide as two disks in contact, and those of the rim around its own tiles a rank has too.
+    // Cells are as wide as two disks in contact, and those of the rim around its own tiles a process has too.
     grid.for_each_in_block(grid.cell_of(number), 1, 1, [&](std::size_t row) {
       DiskInTurn const& other = steps_->disks()[row];
       if (one.id_index >= other.id_index) return;
@@ -516,11 +487,11 @@ void Share::send(std::size_t to, CellsMessage const& cells) {
   message.add_all(std::span<CellsMessage::Cell const>(cells.cells));
   message.add_all(std::span<DiskInTurn const>(cells.disks));
   message.add_all(std::span<std::uint8_t const>(cells.has_turned));
-  ranks_.send(to, message.take());
+  processes_.send(to, message.take());
 }
 
 void Share::receive_cells(std::size_t from) {
-  Message const bytes = ranks_.receive(from);
+  Message const bytes = processes_.receive(from);
   MessageReader message(bytes);
   auto& [heads, disks, has_turned] = message_;
   heads.resize(message.next<std::uint64_t>());

@@ -22,7 +22,7 @@ bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
 std::size_t team_size() { return target() == Target::avx2 || target() == Target::avx512 ? Tiling::tiles_of_team : 1; }
 
 PackedGrid grid_of_window(CellLayout const& layout, CellWindow const& window, HotDisks const& disks) {
-  // Disks of other ranks come later.
+  // Disks of other processes come later.
   PackedGrid grid(layout, window, disks.room());
   for (std::size_t k = 0; k < disks.size(); ++k) grid.insert(k, disks[k].position);
   return grid;

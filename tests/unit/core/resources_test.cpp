@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "gridlock/parallel/detail/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {

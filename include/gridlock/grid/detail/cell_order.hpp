@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/stored_cells.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/cell_order.hpp"
 #include "gridlock/grid/detail/row_block.hpp"
 #include "gridlock/model/turn.hpp"
-#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

@@ -17,98 +17,88 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/model/detail/agents_in_cell_order.hpp"
-#include "gridlock/model/detail/agents_message.hpp"
-#include "gridlock/model/detail/rank_division.hpp"
+#include "gridlock/model/detail/cells_of_step.hpp"
+#include "gridlock/model/detail/id_set.hpp"
 #include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/domain.hpp"
+#include "gridlock/parallel/detail/migration.hpp"
 #include "gridlock/parallel/detail/steps_together.hpp"
 
 namespace gridlock {
 
-/// What a rank must know of a run besides its agents.
-struct ShareOrder {
-  double width, height;
-  std::uint64_t is_periodic;
+/// The run whose steps are shared, besides its agents.
+struct SharedRun {
+  Box box;
   std::uint64_t seed;
   Clock clock;
   double cutoff, time_step;
   std::uint64_t threads;
-  std::uint64_t agents;         ///< of all ranks
-  std::uint64_t columns, rows;  ///< of the cells of the division
-
-  void set_cells(CellLayout const& cells) {
-    columns = static_cast<std::uint64_t>(cells.columns());
-    rows = static_cast<std::uint64_t>(cells.rows());
-  }
-  [[nodiscard]] Box box() const { return {width, height, is_periodic != 0 ? Edge::periodic : Edge::wall}; }
-  [[nodiscard]] CellLayout cells() const { return {box(), columns, rows}; }
+  std::size_t agents;  ///< of all processes
 };
 
 /// Gives names to newborn agents, as one process does: takes the deaths of a step in the order of the Ids and the
-/// number of births. Only the leader knows which names are free.
+/// number of births. Only the root knows which names are free.
 using NameBirths = std::function<std::vector<Id>(std::span<Id const> deaths, std::size_t births)>;
 
-/// The agents that one rank has in the steps of a model, and the rim around them that others own; and what is the same
-/// for all schedules between two steps: who is born gets a name, who is dead goes, and each rank gets the agents that
-/// it has to know.
+/// The agents that one process has in the steps of a model, and the rim around them that others own; and what is the
+/// same for all schedules between two steps: who is born gets a name, who is dead goes, and each process gets the
+/// agents that it has to know.
 template <class Model>
 class AgentsOfShare {
  public:
   using Agents = typename World<Model>::Agents;
   using AllValues = typename Agents::AllValues;
 
-  /// Of a turn of this rank.
+  /// The failure of a turn of this process.
   [[nodiscard]] std::optional<FailedTurn> const& failure() const { return failure_; }
-  /// How many agents all ranks have, as far as steps have taken effect.
+  /// The number of agents of all processes, as far as steps have taken effect.
   [[nodiscard]] std::size_t population() const { return population_; }
-  /// What happened in the steps that have taken effect.
+  /// The events of the steps that have taken effect.
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
-  /// What the turns of this rank have counted in each step since the last call; nothing where they keep no counters.
+  /// The counters of the turns of this process in each step since the last call; none where turns keep none.
   [[nodiscard]] std::vector<CountersOfStep> take_counters() { return std::exchange(counters_, {}); }
 
  protected:
   using Rows = std::vector<std::uint32_t>;
 
-  /// What a rank tells all others after its turns.
+  /// The head of the message of a process to all others after its turns.
   struct TellHead {
     std::uint64_t has_failed = 0;
     std::uint64_t deaths = 0;
     std::uint64_t births = 0;
   };
-  /// What all have told.
+  /// The messages of all.
   struct Told {
     std::vector<Id> deaths;
-    std::vector<Id> parents;             ///< of all births, rank by rank
-    std::size_t first_own_parent = 0;    ///< among them
-    std::vector<std::size_t> also_from;  ///< ranks that are no neighbours and send agents
+    std::vector<Id> parents;              ///< of all births, process by process
+    std::size_t first_own_parent = 0;     ///< among them
+    std::vector<std::uint64_t> far_from;  ///< processes that are no neighbours and send agents
     bool has_failure = false;
   };
 
-  AgentsOfShare(Communicator& ranks, Model const& model, ShareOrder const& order, RankDivision division,
-                LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births)
-      : ranks_(ranks),
+  AgentsOfShare(Domain&& domain, Model const& model, SharedRun const& run, LargeArray<Id>&& ids, AllValues&& values,
+                NameBirths name_births)
+      : domain_(std::move(domain)),
+        processes_(domain_.processes()),
         model_(model),
-        cutoff_(order.cutoff),
-        time_step_(order.time_step),
-        thread_pool_(order.threads),
-        division_(std::move(division)),
+        cutoff_(run.cutoff),
+        time_step_(run.time_step),
+        thread_pool_(run.threads),
         name_births_(std::move(name_births)),
-        world_{.box = order.box(), .agents = {}, .clock = order.clock, .seed = order.seed},
-        population_(order.agents),
+        world_{.box = run.box, .agents = {}, .clock = run.clock, .seed = run.seed},
+        population_(run.agents),
         order_(thread_pool_),
         ids_(std::move(ids)),
-        rows_to_(ranks.count()) {
+        migration_(domain_) {
     order_.next() = std::move(values);
     for (std::uint32_t row = 0; row < ids_.size(); ++row) address(row);
-    exchange({});
+    migration_.exchange(domain_, {}, ids_, order_.next());
   }
   ~AgentsOfShare() = default;
   AgentsOfShare(AgentsOfShare const&) = delete;
   AgentsOfShare& operator=(AgentsOfShare const&) = delete;
 
-  static bool is_among(std::vector<std::size_t> const& ranks, std::size_t rank) {
-    return std::ranges::find(ranks, rank) != ranks.end();
-  }
   static Vector place(AllValues const& values, std::size_t row) {
     return {values.template values<X>()[row], values.template values<Y>()[row]};
   }
@@ -117,7 +107,7 @@ class AgentsOfShare {
         .world = world_, .commands = commands, .cutoff = cutoff_, .time_step = time_step_, .population = population_};
   }
 
-  /// What all agents of this rank have asked for in their turns.
+  /// The wishes of all agents of this process in their turns.
   struct Asked {
     std::vector<Id> deaths;
     std::vector<Id> parents;
@@ -149,58 +139,37 @@ class AgentsOfShare {
     }
   }
 
-  /// Notes which ranks have to know of a row, and whether it stays here.
-  void address(std::uint32_t row) {
-    Vector const p = place(order_.next(), row);
-    if (division_.is_inside(p)) return;
-    auto const address_to = [&](std::size_t rank) {
-      if (rank != ranks_.rank() && division_.is_seen_by(rank, p)) rows_to_[rank].push_back(row);
-    };
-    if (division_.is_own(p)) {
-      for (std::size_t const rank : division_.neighbours()) address_to(rank);
-      return;
-    }
-    for (std::size_t rank = 0; rank < ranks_.count(); ++rank) address_to(rank);
-    // A newborn or an arrival of the rim of this rank stays to be seen.
-    if (!division_.is_seen_by(ranks_.rank(), p)) dropped_.push_back(row);
-  }
+  void address(std::uint32_t row) { migration_.address(domain_, row, place(order_.next(), row)); }
 
-  /// Tells all ranks what concerns all.
+  /// Tells all processes what concerns all.
   Told tell_all(std::vector<Id> const& deaths, std::vector<Id> const& parents) {
-    also_to_.clear();
     MessageWriter own;
     own.add(TellHead{.has_failed = failure_ ? std::uint64_t{1} : 0, .deaths = deaths.size(), .births = parents.size()});
     own.add_all(std::span<Id const>(deaths));
     own.add_all(std::span<Id const>(parents));
-    if (!failure_) {
-      for (std::size_t rank = 0; rank < ranks_.count(); ++rank) {
-        if (rows_to_[rank].empty() || division_.is_neighbour(rank)) continue;
-        own.add(std::uint64_t{rank});
-        also_to_.push_back(rank);
-      }
-    }
+    if (!failure_) own.add_all(migration_.find_far(domain_));
     Told told;
-    std::vector<Message> const of_all = all_gather(ranks_, own.take());
-    for (std::size_t rank = 0; rank < of_all.size(); ++rank) {
-      MessageReader message(of_all[rank]);
+    std::vector<Message> const of_all = all_gather(processes_, own.take());
+    for (std::size_t process = 0; process < of_all.size(); ++process) {
+      MessageReader message(of_all[process]);
       auto const head = message.next<TellHead>();
       told.has_failure = told.has_failure || head.has_failed != 0;
       std::ranges::copy(message.next_values<Id>(head.deaths), std::back_inserter(told.deaths));
-      if (rank == ranks_.rank()) told.first_own_parent = told.parents.size();
+      if (process == processes_.rank()) told.first_own_parent = told.parents.size();
       std::ranges::copy(message.next_values<Id>(head.births), std::back_inserter(told.parents));
-      std::vector<std::uint64_t> const sends_to = message.rest<std::uint64_t>();
-      if (std::ranges::find(sends_to, ranks_.rank()) != sends_to.end()) told.also_from.push_back(rank);
+      std::vector<std::uint64_t> const far = message.rest<std::uint64_t>();
+      if (std::ranges::find(far, processes_.rank()) != far.end()) told.far_from.push_back(process);
     }
     return told;
   }
 
-  /// The newborn of all ranks get their names in the order of their parents' Ids, those of one parent as it asked for
-  /// them.
+  /// The newborn of all processes get their names in the order of their parents' Ids, those of one parent as it asked
+  /// for them.
   void name_births(Told const& told, IdSet const& dead, std::size_t first_newborn) {
     std::vector<Id> names;
     if (name_births_) names = name_births_(dead.sorted(), told.parents.size());
     if (told.parents.empty()) return;
-    names = MessageReader(broadcast(ranks_, message_of_all(std::span<Id const>(names)))).rest<Id>();
+    names = MessageReader(broadcast(processes_, message_of_all(std::span<Id const>(names)))).rest<Id>();
     std::size_t const own = ids_.size() - first_newborn;
     std::size_t next = 0;
     for (std::uint32_t const birth : rows_in_order(told.parents)) {
@@ -211,44 +180,10 @@ class AgentsOfShare {
     }
   }
 
-  /// Of the rows of this rank as the step began.
-  void drop_dead(IdSet const& dead, std::size_t rows) {
-    if (dead.sorted().empty()) return;
-    for (std::uint32_t row = 0; row < rows; ++row) {
-      if (dead.contains(ids_[row])) dropped_.push_back(row);
-    }
-    for (Rows& addressed : rows_to_) {
-      std::erase_if(addressed, [&](std::uint32_t row) { return row < rows && dead.contains(ids_[row]); });
-    }
-  }
-
-  /// Sends rows to those who have to know them, and takes what has come in the place of those that do not stay.
-  void exchange(std::vector<std::size_t> const& also_from) {
-    ArrivedAgents<Agents> arrived;
-    // One round for each distance between ranks: nobody waits to send before what came earlier has been received.
-    std::size_t const count = ranks_.count();
-    for (std::size_t distance = 1; distance < count; ++distance) {
-      std::size_t const to = (ranks_.rank() + distance) % count;
-      std::size_t const from = (ranks_.rank() + count - distance) % count;
-      if (division_.is_neighbour(to) || is_among(also_to_, to)) {
-        MessageWriter message;
-        message.add(std::uint64_t{rows_to_[to].size()});
-        add_agents(message, ids_.data(), order_.next(), rows_to_[to]);
-        ranks_.send(to, message.take());
-      }
-      if (division_.is_neighbour(from) || is_among(also_from, from)) {
-        arrived.add(ranks_.receive(from));
-      }
-    }
-    std::ranges::sort(dropped_);
-    dropped_.erase(std::unique(dropped_.begin(), dropped_.end()), dropped_.end());
-    arrived.put_into(ids_, order_.next(), dropped_);
-    dropped_.clear();
-  }
-
-  /// Lets what was asked for in the turns of the first `agents` rows take effect, on all ranks. False where a turn of
-  /// any rank has failed. find_movers() finds out which rows, the newborn behind those included, do not stay here, and
-  /// who has to be told of which; divide_anew(dead, told) may divide the agents anew before they travel.
+  /// Lets what was asked for in the turns of the first `agents` rows take effect, in all processes. False where a turn
+  /// of any has failed. find_movers() finds out which rows, the newborn behind those included, do not stay here, and
+  /// who has to be told of which; divide_anew(dead) may divide the agents anew before they travel, and says whether it
+  /// has.
   template <class FindMovers, class DivideAnew>
   bool let_turns_take_effect(std::size_t agents, FindMovers find_movers, DivideAnew divide_anew) {
     Asked asked;
@@ -257,22 +192,28 @@ class AgentsOfShare {
       add_births();
       find_movers();
     }
-    Told told = tell_all(asked.deaths, asked.parents);
+    Told const told = tell_all(asked.deaths, asked.parents);
     if (told.has_failure) return false;
     IdSet const dead(told.deaths);
     population_ = population_ + told.parents.size() - dead.sorted().size();
     name_births(told, dead, agents);
-    divide_anew(dead, told);
-    drop_dead(dead, agents);
+    bool const is_divided_anew = divide_anew(dead);
+    if (is_divided_anew) find_movers();
+    if (!dead.sorted().empty())
+      migration_.drop_dead(agents, [&](std::uint32_t row) { return dead.contains(ids_[row]); });
     forget_commands();
-    exchange(told.also_from);
+    if (is_divided_anew) {
+      migration_.exchange_with_all(domain_, ids_, order_.next());
+    } else {
+      migration_.exchange(domain_, told.far_from, ids_, order_.next());
+    }
     ++world_.clock.step;
     world_.clock.time += time_step_;
     return true;
   }
 
-  /// Moves the agents of this rank into empty arrays: after the last step has taken effect, by complete_step(), or as
-  /// they were before it.
+  /// Moves the agents of this process into empty arrays: after the last step has taken effect, by complete_step(), or
+  /// as they were before it.
   template <class CompleteStep>
   void take_own_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values, CompleteStep complete_step) {
     if (does_step_count && has_turns_) complete_step();
@@ -280,7 +221,7 @@ class AgentsOfShare {
     world_.agents.become(ids, values);
     std::size_t own = 0;
     for (std::size_t row = 0; row < ids.size(); ++row) {
-      if (!division_.is_own(place(values, row))) continue;
+      if (!domain_.is_own(place(values, row))) continue;
       ids[own] = ids[row];
       values.copy(own++, values, row);
     }
@@ -288,59 +229,48 @@ class AgentsOfShare {
     values.resize(own);
   }
 
-  Communicator& ranks_;
+  Domain domain_;
+  Communicator& processes_;
   Model model_;
   double cutoff_;
   double time_step_;
   ThreadPool thread_pool_;
-  RankDivision division_;
-  NameBirths name_births_;  ///< of the leader
-  World<Model> world_;      ///< with the agents of this rank and of its rim, who cannot be found by their Ids
-  std::size_t population_;  ///< of all ranks
+  NameBirths name_births_;  ///< of the root
+  World<Model> world_;      ///< with the agents of this process and of its rim, who cannot be found by their Ids
+  std::size_t population_;  ///< of all processes
   AgentsInCellOrder<Model> order_;
   std::vector<DeferredCommands<Model>> commands_;
   EventCounts<Model> events_{};
   std::vector<CountersOfStep> counters_;  ///< of each step that nobody has asked for yet
   std::optional<FailedTurn> failure_;
   bool has_turns_ = false;  ///< what they ask for has not taken effect yet
-  // Between the turns and the next order of the rows:
-  LargeArray<Id> ids_;                ///< of the rows of order_.next()
-  std::vector<Rows> rows_to_;         ///< what each rank has to know
-  std::vector<std::size_t> also_to_;  ///< ranks that are no neighbours and have to know some
-  Rows dropped_;                      ///< rows of the dead, of those who have left, and of the rim of before
+  LargeArray<Id> ids_;      ///< of the rows of order_.next(), between the turns and the next order of the rows
+  Migration<Agents> migration_;
 };
 
-/// The share that one rank has in the steps of a synchronous model: the agents of its rectangle of the box, and those
-/// within the cutoff of it that others own.
+/// The share that one process has in the steps of a synchronous model: the agents of its rectangle of the box, and
+/// those within the cutoff of it that others own.
 ///
-///     ┌ ─ ─ ─ ─ ─ ─ ─ ┐     A step: all own agents take their turns. Then all ranks tell each other who has died and who has
-///       ┌───────────┐       had a child, the leader names the children, and each rank sends to its neighbours the agents that they
-///     │ │ rectangle │ │     own from now on or have in their rim. The rows are put into the order of the cells of the whole box, so
-///       └───────────┘       that all neighbours are visited in the order of one process.
-///     └ ─ ─ ─ rim ─ ─ ┘
+/// A step: all own agents take their turns. Then all processes tell each other who has died and who has had a child,
+/// the root names the children, and each process sends to its neighbours the agents that they own from now on or have
+/// in their rim. The rows are put into the order of the cells of the whole box, so that all neighbours are visited in
+/// the order of one process.
 ///
-/// All ranks construct it and call take_step() together. The bits are those of one process.
+/// All processes construct it and call take_step() together. The bits are those of one process.
 template <class Model>
 class ModelShare final : public AgentsOfShare<Model> {
   using Base = AgentsOfShare<Model>;
   using typename Base::Rows;
-  using typename Base::Told;
 
  public:
   using typename Base::Agents;
   using typename Base::AllValues;
 
-  /// `ids` and `values` are those of the agents in the rectangle of this rank.
-  ModelShare(Communicator& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
-             LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births = {})
-      : Base(ranks, model, order, division_of(order, std::move(division), ranks.rank()), std::move(ids),
-             std::move(values), std::move(name_births)) {
+  /// `ids` and `values` are those of the agents in the rectangle of this process.
+  ModelShare(Domain&& domain, Model const& model, SharedRun const& run, LargeArray<Id>&& ids, AllValues&& values,
+             NameBirths name_births = {})
+      : Base(std::move(domain), model, run, std::move(ids), std::move(values), std::move(name_births)) {
     sort();
-  }
-
-  static RankDivision division_of(ShareOrder const& order, std::vector<Tiling::Rectangle> division, std::size_t rank) {
-    CellLayout const cells = order.cells();
-    return {cells, std::move(division), rim_of(cells, order.cutoff), rank};
   }
 
   /// False where a turn has failed: then the step does not count.
@@ -350,8 +280,8 @@ class ModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All
-  /// ranks call it, once, at the end.
+  /// Lets the last step take effect, unless it does not count, and moves the agents of this process into empty arrays.
+  /// All call it, once, at the end.
   void take_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values) {
     Base::take_own_agents(does_step_count, ids, values, [this] { complete_step(); });
   }
@@ -359,20 +289,19 @@ class ModelShare final : public AgentsOfShare<Model> {
  private:
   using Base::commands_;
   using Base::cutoff_;
-  using Base::division_;
-  using Base::dropped_;
+  using Base::domain_;
   using Base::failure_;
   using Base::has_turns_;
   using Base::ids_;
+  using Base::migration_;
   using Base::model_;
   using Base::order_;
   using Base::place;
   using Base::population_;
-  using Base::ranks_;
-  using Base::rows_to_;
+  using Base::processes_;
   using Base::world_;
 
-  /// What the turns of a band have found out besides the values.
+  /// The findings of the turns of a band besides the values.
   struct Band {
     Rows of_others;  ///< rows of the rim
     Rows at_border;  ///< rows of own agents that others have to know, or that have left
@@ -398,13 +327,13 @@ class ModelShare final : public AgentsOfShare<Model> {
     }
     std::uint64_t turns = 0;
     for (Band const& band : bands_) turns += band.turns;
-    ranks_.note_turns(turns);
+    processes_.note_turns(turns);
   }
 
   void take_turn(Neighbourhood<Model>& around, std::uint32_t row, Band& band) {
     Vector const p = place(world_.agents.values(), row);
     // Most are, and the first question is the cheaper one.
-    if (!division_.is_inside(p) && !division_.is_own(p)) {
+    if (!domain_.is_inside(p) && !domain_.is_own(p)) {
       band.of_others.push_back(row);
       return;
     }
@@ -416,7 +345,7 @@ class ModelShare final : public AgentsOfShare<Model> {
       throw FailedTurn{.cell = cell_of(row), .agent = world_.agents.ids()[row], .reason = error.what()};
     }
     ++band.turns;
-    if (!division_.is_inside(place(order_.next(), row))) band.at_border.push_back(row);
+    if (!domain_.is_inside(place(order_.next(), row))) band.at_border.push_back(row);
   }
 
   Neighbourhood<Model> neighbourhood(DeferredCommands<Model>& commands) {
@@ -425,10 +354,10 @@ class ModelShare final : public AgentsOfShare<Model> {
     return around;
   }
 
-  /// Lets what was asked for in the turns take effect, on all ranks. False where a turn of any rank has failed.
+  /// Lets what was asked for in the turns take effect, in all processes. False where a turn of any has failed.
   bool complete_step() {
     ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
-    auto const keep_division = [](IdSet const& /*dead*/, Told const& /*told*/) {};
+    auto const keep_division = [](IdSet const& /*dead*/) { return false; };
     if (!this->let_turns_take_effect(
             world_.agents.size(), [this] { find_movers(); }, keep_division))
       return false;
@@ -438,39 +367,23 @@ class ModelShare final : public AgentsOfShare<Model> {
 
   /// Finds out which rows do not stay here, and who has to be told of which.
   void find_movers() {
-    for (Rows& rows : rows_to_) rows.clear();
-    dropped_.clear();
+    migration_.begin();
     for (Band const& band : bands_) {
-      dropped_.insert(dropped_.end(), band.of_others.begin(), band.of_others.end());
+      for (std::uint32_t const row : band.of_others) migration_.drop(row);
       for (std::uint32_t const row : band.at_border) this->address(row);
     }
     for (auto row = static_cast<std::uint32_t>(world_.agents.size()); row < ids_.size(); ++row) this->address(row);
   }
 
-  /// Puts the rows in the order of the cells, which all ranks choose alike.
+  /// Puts the rows in the order of the cells, which all processes choose alike.
   void sort() {
     CellsOfStep const cells = cells_of_step(world_.box, cutoff_, population_);
-    bool const is_finer = cells.finer && is_crowd_of_all(cells.layout);
-    CellLayout const& layout = is_finer ? *cells.finer : cells.layout;
-    order_.sort_window(world_.agents, ids_, layout, division_.window_of(layout),
-                       is_finer ? StoredCells::Which::occupied : StoredCells::Which::all);
-  }
-
-  [[nodiscard]] bool is_crowd_of_all(CellLayout const& layout) {
     AllValues const& next = order_.next();
-    CellCounts const counts(division_, layout, next.template values<X>(), next.template values<Y>(),
-                            [&](std::size_t row) { return division_.is_own(place(next, row)); });
-    MessageWriter own;
-    own.add(counts.pairs());
-    own.add_all(counts.shared());
-    std::uint64_t pairs = 0;
-    std::vector<CellCounts::SharedCell> shared;
-    for (Message const& bytes : all_gather(ranks_, own.take())) {
-      MessageReader message(bytes);
-      pairs += message.next<std::uint64_t>();
-      std::ranges::copy(message.rest<CellCounts::SharedCell>(), std::back_inserter(shared));
-    }
-    return is_crowd(pairs + CellCounts::pairs_in(std::move(shared)), population_);
+    bool const is_finer = cells.finer && is_crowd(domain_, cells.layout, next.template values<X>(),
+                                                  next.template values<Y>(), population_);
+    CellLayout const& layout = is_finer ? *cells.finer : cells.layout;
+    order_.sort_window(world_.agents, ids_, layout, domain_.window_in(layout),
+                       is_finer ? StoredCells::Which::occupied : StoredCells::Which::all);
   }
 
   std::vector<Band> bands_;

@@ -85,7 +85,7 @@ class TurnsInTiles {
   [[nodiscard]] std::uint32_t failed_tile() const { return first_failure_; }
   [[nodiscard]] std::exception_ptr failure() const { return results_[first_failure_].failure; }
 
-  // What other ranks need to know of an agent, and tell of it.
+  // The state of an agent that processes tell each other.
 
   [[nodiscard]] std::vector<std::uint8_t> const& has_turned() const { return has_turned_; }
   void set_turned(std::size_t row, std::uint8_t has_turned) {

@@ -33,9 +33,8 @@ consteval bool has_first_agents() {
   };
 }
 
-/// How far an agent of the model searches: a number of the model alone, of its world, or of all agents. Where ranks
-/// divide the agents,
-/// `world` has those of this rank, and all ranks call it together.
+/// The distance to which an agent of the model searches: a number of the model alone, of its world, or of all agents.
+/// `world` has the agents of this process; all that share the agents call it together.
 template <class Model>
 double cutoff_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.cutoff(world); };

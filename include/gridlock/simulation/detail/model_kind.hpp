@@ -60,7 +60,7 @@ class ModelKind {
   /// Whether more threads than one are of any use.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
   /// The part of a run that several processes cannot share, its setting and a hint; nothing where they can share all.
-  [[nodiscard]] virtual std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const;
+  [[nodiscard]] virtual std::optional<Problem> not_shared(Configuration const& configuration) const;
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
   /// Whether a run can be given a length in collisions.

@@ -1,4 +1,4 @@
-#include "simulation/start_on_ranks.hpp"
+#include "simulation/shared_start.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -50,32 +50,35 @@ FileHead head_of(xyz::Reader const& reader) {
 /// The first number of a message with rows.
 enum class PieceOfFile : std::uint64_t { rows, end };
 
-/// What a rank says of the order of its Ids.
+/// The answer of a process about the order of its Ids.
 struct OrderOfRows {
   std::uint64_t count;
   Id first, last;
   std::uint64_t ascends;
 };
 
-/// What a rank has to say of its radii.
-struct RadiiOfRank {
+/// The answer of a process about its radii.
+struct RadiiOfProcess {
   std::uint64_t count;
   RadiusRange radii;
   std::uint64_t are_as_asked;
 };
 
-/// One slot of a population goes to one rank, and neighbouring slots anywhere.
-std::size_t rank_of_slot(std::uint64_t slot, std::size_t ranks) {
+/// One slot of a population goes to one process, and neighbouring slots anywhere.
+std::size_t process_of_slot(std::uint64_t slot, std::size_t processes) {
   std::uint64_t const scattered = (slot * 0x9E3779B97F4A7C15ULL) >> 32;
-  return static_cast<std::size_t>((scattered * ranks) >> 32);
+  return static_cast<std::size_t>((scattered * processes) >> 32);
 }
 
-/// The part of one rank.
+/// The part of one process.
 class PartOfStart {
  public:
-  PartOfStart(Communicator& ranks, FileHead const& head, AskedRadii asked)
-      : ranks_(ranks), head_(head), asked_(std::move(asked)), rows_(RowDivision::even(head.count, ranks.count())) {
-    disks_.reserve(std::min(rows_.rows_of(ranks.rank()), head.likely_count));
+  PartOfStart(Communicator& processes, FileHead const& head, AskedRadii asked)
+      : processes_(processes),
+        head_(head),
+        asked_(std::move(asked)),
+        rows_(RowDivision::even(head.count, processes.count())) {
+    disks_.reserve(std::min(rows_.rows_of(processes.rank()), head.likely_count));
   }
 
   /// The root reads all rows and hands them out as they come. Errors: Error.
@@ -89,10 +92,10 @@ class PartOfStart {
     end();
   }
 
-  /// Takes the rows of this rank, until all have come or the root refuses the file.
+  /// Takes the rows of this process, until all have come or the root refuses the file.
   void receive() {
     while (true) {
-      Message const bytes = ranks_.receive(0);
+      Message const bytes = processes_.receive(0);
       MessageReader message(bytes);
       if (message.next<PieceOfFile>() == PieceOfFile::end) return;
       std::vector<DiskRow> const rows = message.rest<DiskRow>();
@@ -100,11 +103,11 @@ class PartOfStart {
     }
   }
 
-  /// Puts the rows of all ranks in the order of their Ids, unless some Id is wrong. All call it, and get the same.
+  /// Puts the rows of all processes in the order of their Ids, unless some Id is wrong. All call it, and get the same.
   std::optional<xyz::WrongId> sort() {
     if (are_in_order()) return std::nullopt;
     if (auto const wrong = find_wrong_id()) return wrong;
-    sort_among_ranks(ranks_, disks_, rows_, [](DiskRow const& disk) { return disk.id; });
+    sort_among_ranks(processes_, disks_, rows_, [](DiskRow const& disk) { return disk.id; });
     return std::nullopt;
   }
 
@@ -119,12 +122,12 @@ class PartOfStart {
   /// What all disks are like. All call it.
   [[nodiscard]] StartFileSummary summary(State const& own) const {
     StartFileSummary summary{.box = own.box, .has_radii = head_.has_radii != 0, .count = head_.count};
-    RadiiOfRank const radii{.count = own.agents.size(),
-                            .radii = radius_range(own.agents),
-                            .are_as_asked = asked_.are_of(own.agents) ? std::uint64_t{1} : 0};
+    RadiiOfProcess const radii{.count = own.agents.size(),
+                               .radii = radius_range(own.agents),
+                               .are_as_asked = asked_.are_of(own.agents) ? std::uint64_t{1} : 0};
     bool is_first = true;
-    for (Message const& bytes : all_gather(ranks_, message_of(radii))) {
-      auto const next = MessageReader(bytes).next<RadiiOfRank>();
+    for (Message const& bytes : all_gather(processes_, message_of(radii))) {
+      auto const next = MessageReader(bytes).next<RadiiOfProcess>();
       if (next.count == 0) continue;
       summary.radii = {
           .smallest = is_first ? next.radii.smallest : std::min(summary.radii.smallest, next.radii.smallest),
@@ -133,7 +136,7 @@ class PartOfStart {
       is_first = false;
     }
     // In the order of one process: sums of floating-point numbers depend on it.
-    double const squares = AllProcesses(ranks_).change_in_order(0.0, [&](double& sum) {
+    double const squares = AllProcesses(processes_).change_in_order(0.0, [&](double& sum) {
       for (double const radius : own.agents.column<Radius>()) sum += radius * radius;
     });
     summary.covered_area = std::numbers::pi * squares;
@@ -142,23 +145,23 @@ class PartOfStart {
 
  private:
   void end() {
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, message_of(PieceOfFile::end));
+    for (std::size_t to = 1; to < processes_.count(); ++to) processes_.send(to, message_of(PieceOfFile::end));
   }
   void hand_out_rows(xyz::Reader& reader, double other_radius) {
     xyz::Rows piece;
     std::vector<DiskRow> leaving;
     while (reader.read(rows_of_piece, piece)) {
       for (std::size_t k = 0; k < piece.disks.size(); ++k) {
-        std::size_t const rank = rows_.rank_of(piece.disks[k].number);
+        std::size_t const to = rows_.rank_of(piece.disks[k].number);
         DiskRow disk = row_of(piece.disks[k]);
         if (head_.has_radii == 0) disk.radius = other_radius;
-        (rank == 0 ? disks_ : leaving).push_back(disk);
-        bool const is_last = k + 1 == piece.disks.size() || rows_.rank_of(piece.disks[k + 1].number) != rank;
-        if (!is_last || rank == 0) continue;
+        (to == 0 ? disks_ : leaving).push_back(disk);
+        bool const is_last = k + 1 == piece.disks.size() || rows_.rank_of(piece.disks[k + 1].number) != to;
+        if (!is_last || to == 0) continue;
         MessageWriter message;
         message.add(PieceOfFile::rows);
         message.add_all(std::span<DiskRow const>(leaving));
-        ranks_.send(rank, message.take());
+        processes_.send(to, message.take());
         leaving.clear();
       }
       piece.disks.clear();
@@ -178,7 +181,7 @@ class PartOfStart {
             .image_y = row.image_y};
   }
 
-  /// Whether the rows of all ranks are in the order of Ids that cannot be wrong.
+  /// Whether the rows of all processes are in the order of Ids that cannot be wrong.
   [[nodiscard]] bool are_in_order() const {
     auto const descends = [](DiskRow const& one, DiskRow const& next) { return one.id >= next.id; };
     bool const ascends = std::ranges::adjacent_find(disks_, descends) == disks_.end();
@@ -188,7 +191,7 @@ class PartOfStart {
       own.last = disks_.back().id;
     }
     std::optional<OrderOfRows> before;
-    for (Message const& bytes : all_gather(ranks_, message_of(own))) {
+    for (Message const& bytes : all_gather(processes_, message_of(own))) {
       auto const next = MessageReader(bytes).next<OrderOfRows>();
       if (next.count == 0) continue;
       if (next.ascends == 0 || (before && before->last >= next.first)) return false;
@@ -198,22 +201,22 @@ class PartOfStart {
     return true;
   }
 
-  /// Of all ranks that of the lowest slot, as one process finds it.
+  /// The wrong Id of the lowest slot, which one process would find.
   [[nodiscard]] std::optional<xyz::WrongId> find_wrong_id() const {
     std::vector<xyz::IdOfRow> ids;
     ids.reserve(disks_.size());
-    std::uint64_t const first_row = rows_.first(ranks_.rank());
+    std::uint64_t const first_row = rows_.first(processes_.rank());
     exchange_values<xyz::IdOfRow>(
-        ranks_, disks_.size(),
+        processes_, disks_.size(),
         [&](std::size_t k, auto give) {
           Id const id = disks_[k].id;
-          give(rank_of_slot(xyz::slot_of(id), ranks_.count()), xyz::IdOfRow{.id = id, .row = first_row + k});
+          give(process_of_slot(xyz::slot_of(id), processes_.count()), xyz::IdOfRow{.id = id, .row = first_row + k});
         },
         [&](xyz::IdOfRow const& id) { ids.push_back(id); });
     std::vector<xyz::WrongId> own;
     if (auto const wrong = xyz::find_wrong_id(ids, head_.count)) own.push_back(*wrong);
     std::optional<xyz::WrongId> lowest;
-    for (Message const& bytes : all_gather(ranks_, message_of_all(std::span<xyz::WrongId const>(own)))) {
+    for (Message const& bytes : all_gather(processes_, message_of_all(std::span<xyz::WrongId const>(own)))) {
       for (xyz::WrongId const& wrong : MessageReader(bytes).rest<xyz::WrongId>()) {
         if (!lowest || xyz::slot_of(wrong.id) < xyz::slot_of(lowest->id)) lowest = wrong;
       }
@@ -221,28 +224,29 @@ class PartOfStart {
     return lowest;
   }
 
-  Communicator& ranks_;
+  Communicator& processes_;
   FileHead head_;
   AskedRadii asked_;
   RowDivision rows_;            ///< before they are sorted the rows of the file, then those of the Ids
-  std::vector<DiskRow> disks_;  ///< of this rank
+  std::vector<DiskRow> disks_;  ///< of this process
 };
 
 }  // namespace
 
-RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const& file) {
-  bool const is_root = ranks.rank() == 0;
+RowsOfFile read_together(Communicator& processes, DisksSettings const& settings, StartFile const& file) {
+  bool const is_root = processes.rank() == 0;
   Message head;
   if (is_root) head = message_of(head_of(*file.reader));
-  PartOfStart part(ranks, MessageReader(broadcast(ranks, std::move(head))).next<FileHead>(), AskedRadii(settings));
-  agree(ranks, [&] { is_root ? part.hand_out(*file.reader, settings) : part.receive(); });
+  PartOfStart part(processes, MessageReader(broadcast(processes, std::move(head))).next<FileHead>(),
+                   AskedRadii(settings));
+  agree(processes, [&] { is_root ? part.hand_out(*file.reader, settings) : part.receive(); });
   auto const wrong = part.sort();
-  agree(ranks, [&] {
+  agree(processes, [&] {
     if (wrong && is_root) file.reader->refuse(*wrong);
   });
   RowsOfFile rows = part.finish();
   StartFileSummary const summary = part.summary(rows.own);
-  agree(ranks, [&] {
+  agree(processes, [&] {
     if (is_root) file.take_summary(summary);
   });
   return rows;

@@ -13,19 +13,19 @@ namespace gridlock {
 /// The cells of the engine `tiled`.
 CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOverview const& all);
 
-/// The engine `tiled` on several ranks. The state of each has some of all disks, in the order of their Ids: after steps
-/// those that are in its tiles. All ranks call each function together. The bits, counters included, are those of one
-/// process.
-class TiledOnRanks final : public Engine {
+/// The engine `tiled` for disks that several processes share. The state of each has some of all disks, in the order of
+/// their Ids: after steps those that are in its tiles. All processes call each function together. The bits, counters
+/// included, are those of one process.
+class SharedTiledEngine final : public Engine {
  public:
-  /// Contract: in the order of the Ids the disks of rank 0 come first, then those of rank 1.
-  /// Errors: those of TiledEngine, on all ranks.
-  TiledOnRanks(EngineSettings const& settings, State const& own);
+  /// Contract: in the order of the Ids the disks of process 0 come first, then those of process 1.
+  /// Errors: those of TiledEngine, in all processes.
+  SharedTiledEngine(EngineSettings const& settings, State const& own);
 
   /// Clock and counters are those of all disks.
   void advance(State& own, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
-  /// Looks at each disk of this rank by itself, and at no overlaps.
+  /// Looks at each disk of this process by itself, and at no overlaps.
   void require_valid(State const& own) const override;
   void take_restored(State& own) override;
 

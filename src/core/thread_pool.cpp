@@ -1,4 +1,4 @@
-#include "gridlock/parallel/detail/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "engine/tiled/on_ranks.hpp"
+#include "engine/tiled/shared_engine.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,6 +21,7 @@
 #include "gridlock/parallel/detail/agent_exchange.hpp"
 #include "gridlock/parallel/detail/agreement.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/domain.hpp"
 #include "gridlock/parallel/detail/steps_together.hpp"
 #include "parallel/disks_of_all.hpp"
 #include "parallel/exchange.hpp"
@@ -31,28 +32,28 @@ namespace tiled {
 
 namespace {
 
-/// The disks of one rank while it takes steps.
-class PartOfRank {
+/// The disks of one process while it takes steps.
+class PartOfProcess {
  public:
-  /// Sends each disk to the rank of its tile; `id_indices` are those of the disks. The values in the state may go then.
-  PartOfRank(Communicator& ranks, TurnRule const& rule, CellLayout const& layout, State const& own,
-             std::span<std::uint32_t const> id_indices)
-      : ranks_(ranks),
+  /// Sends each disk to the process of its tile; `id_indices` are those of the disks. The values in the state may go
+  /// then.
+  PartOfProcess(Communicator& processes, TurnRule const& rule, CellLayout const& layout, State const& own,
+                std::span<std::uint32_t const> id_indices)
+      : processes_(processes),
         rule_(rule),
-        layout_(layout),
-        tiling_(layout),
-        rows_(division_of(ranks, own.agents.size())),
-        own_(own) {
+        rows_(division_of(processes, own.agents.size())),
+        own_(own),
+        domain_(Domain::of_tiles(processes, layout, [&](auto visit) {
+          for (std::size_t i = 0; i < own.agents.size(); ++i) visit(position(own.agents, i));
+        })) {
     hand_out(id_indices);
   }
   /// Makes the share.
-  void begin(std::uint64_t threads) {
-    share_.emplace(ranks_, rule_, layout_, division_, threads, std::move(in_tiles_));
-  }
+  void begin(std::uint64_t threads) { share_.emplace(std::move(domain_), rule_, threads, std::move(in_tiles_)); }
 
   [[nodiscard]] Share& share() { return *share_; }
 
-  /// Gives this rank the disks that are in its tiles now, in the order of their Ids.
+  /// Gives this process the disks that are in its tiles now, in the order of their Ids.
   void give_back(State& own, LargeArray<std::uint32_t>& id_indices) {
     LargeArray<DiskInTurn> const disks = share_->take_own_disks();
     note_long_substep(disks);
@@ -87,22 +88,22 @@ class PartOfRank {
 
   /// The Ids of rows, whoever has them.
   [[nodiscard]] std::vector<Id> ids_of(std::span<std::uint32_t const> rows) const {
-    return ids_of_rows(ranks_, rows_, own_.agents.ids(), rows);
+    return ids_of_rows(processes_, rows_, own_.agents.ids(), rows);
   }
 
  private:
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
-  /// A disk that has come from another rank.
+  /// A disk that has come from another process.
   struct Arrival {
     Id id;
-    std::uint32_t place;  ///< among the disks of this rank
+    std::uint32_t place;  ///< among the disks of this process
   };
 
-  [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(ranks_.rank())); }
+  [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(processes_.rank())); }
   [[nodiscard]] bool is_own(std::uint32_t row) const { return row - first_row() < own_.agents.size(); }
 
-  /// Disks that have come from other ranks, in the order of their Ids.
+  /// Disks that have come from other processes, in the order of their Ids.
   [[nodiscard]] std::vector<Arrival> arrivals_among(LargeArray<DiskInTurn> const& disks) const {
     std::vector<std::uint32_t> rows;
     std::vector<Arrival> arrivals;
@@ -117,7 +118,7 @@ class PartOfRank {
     return arrivals;
   }
 
-  /// The place of the disk of each row among the disks, or `nobody` for one that another rank has now.
+  /// The place of the disk of each row among the disks, or `nobody` for one that another process has now.
   [[nodiscard]] LargeArray<std::uint32_t> places_of_rows(LargeArray<DiskInTurn> const& disks) const {
     LargeArray<std::uint32_t> places(own_.agents.size(), nobody);
     for (std::uint32_t place = 0; place < disks.size(); ++place) {
@@ -136,63 +137,41 @@ class PartOfRank {
     }
     long_substep_ = LongSubstep{.id = ids_of(std::array{jump->row_in_state})[0],
                                 .displacement = jump->displacement,
-                                .contact = all_max(ranks_, radius) + rule_.radii.smallest};
+                                .contact = all_max(processes_, radius) + rule_.radii.smallest};
   }
 
   void hand_out(std::span<std::uint32_t const> id_indices) {
     Disks const& disks = own_.agents;
-    TileFinder const finder(layout_, tiling_);
-    std::uint64_t const disks_of_tiles = divide(finder);
-    std::vector<std::uint32_t> rank_of_tile(tiling_.tiles().size());
-    for (std::uint32_t rank = 0; rank < division_.size(); ++rank) {
-      division_[rank].for_each_tile(
-          [&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
-    }
-    in_tiles_.reserve(Share::room_for_rim(disks_of_tiles));
+    in_tiles_.reserve(Share::room_for_rim(domain_.points_of_own_tiles()));
     exchange_values<DiskInTurn>(
-        ranks_, disks.size(),
+        processes_, disks.size(),
         [&](std::size_t row, auto give) {
           DiskInTurn disk = disk_in_turn(disks, static_cast<std::uint32_t>(row), id_indices);
           disk.row_in_state += first_row();
-          give(rank_of_tile[finder.tile_of(disk.position)], disk);
+          give(domain_.owner_of(disk.position), disk);
         },
         [&](DiskInTurn const& disk) { in_tiles_.push_back(disk); });
   }
 
-  /// All learn how many disks each tile has, and which rank has which tiles. Returns the number of disks in those of
-  /// this rank.
-  std::uint64_t divide(TileFinder const& finder) {
-    std::vector<std::uint64_t> disks_of_tile(tiling_.tiles().size(), 0);
-    for (std::size_t i = 0; i < own_.agents.size(); ++i) ++disks_of_tile[finder.tile_of(position(own_.agents, i))];
-    all_sum(ranks_, disks_of_tile);
-    division_ = divide_tiles(tiling_, disks_of_tile, ranks_.count());
-    std::uint64_t disks = 0;
-    division_[ranks_.rank()].for_each_tile(
-        [&](std::size_t column, std::size_t row) { disks += disks_of_tile[tiling_.number_of(column, row)]; });
-    return disks;
-  }
-
-  Communicator& ranks_;
+  Communicator& processes_;
   TurnRule rule_;
-  CellLayout layout_;
-  Tiling tiling_;
   RowDivision rows_;  ///< of all disks, before the steps
   State const& own_;
-  std::vector<Tiling::Rectangle> division_;  ///< of the tiles
-  LargeArray<DiskInTurn> in_tiles_;          ///< the disks of this rank, until there is a share
+  Domain domain_;                    ///< until there is a share
+  LargeArray<DiskInTurn> in_tiles_;  ///< the disks of this process, until there is a share
   std::optional<Share> share_;
   std::optional<LongSubstep> long_substep_;
 };
 
-/// Takes at most so many steps together with all other ranks.
-StepsTaken take_steps(Communicator& ranks, Share& share, std::uint64_t steps, Counters& counters) {
+/// Takes at most so many steps together with all other processes.
+StepsTaken take_steps(Communicator& processes, Share& share, std::uint64_t steps, Counters& counters) {
   std::uint64_t done = 0;
   while (done < steps && !share.jump()) {
     share.take_step();
     ++done;
   }
-  AnswerOfSteps const all =
-      answer_of_all(ranks, {.is_stop_asked = ranks.is_stop_asked(), .failure = {}, .counters = share.take_counters()});
+  AnswerOfSteps const all = answer_of_all(
+      processes, {.is_stop_asked = processes.is_stop_asked(), .failure = {}, .counters = share.take_counters()});
   for (CountersOfStep const& of_step : all.counters) of_step.add_to(counters);
   // A step in which a disk could have jumped over another does not count.
   bool const has_failed = share.jump().has_value();
@@ -200,7 +179,7 @@ StepsTaken take_steps(Communicator& ranks, Share& share, std::uint64_t steps, Co
 }
 
 /// What is wrong with all disks.
-std::vector<Problem> problems_of(Communicator& ranks, PartOfRank& part, double tolerance) {
+std::vector<Problem> problems_of(Communicator& processes, PartOfProcess& part, double tolerance) {
   auto const sort = [](std::vector<Overlap>& overlaps) {
     std::ranges::sort(overlaps, {}, [](Overlap const& overlap) { return std::pair(overlap.row, overlap.other_row); });
   };
@@ -208,7 +187,7 @@ std::vector<Problem> problems_of(Communicator& ranks, PartOfRank& part, double t
   sort(own);
   std::vector<Overlap> overlaps;
   std::span const first_of_own = std::span<Overlap const>(own).first(std::min(own.size(), max_overlaps_named));
-  for (Message const& bytes : all_gather(ranks, message_of_all(first_of_own))) {
+  for (Message const& bytes : all_gather(processes, message_of_all(first_of_own))) {
     std::ranges::copy(MessageReader(bytes).rest<Overlap>(), std::back_inserter(overlaps));
   }
   sort(overlaps);
@@ -218,15 +197,15 @@ std::vector<Problem> problems_of(Communicator& ranks, PartOfRank& part, double t
   std::vector<Id> const ids = part.ids_of(rows);
   std::vector<OverlappingPair> pairs;
   for (std::size_t k = 0; k < overlaps.size(); ++k) pairs.push_back({ids[2 * k], ids[2 * k + 1], overlaps[k].gap});
-  return problems_of_overlaps(pairs, all_sum(ranks, own.size()));
+  return problems_of_overlaps(pairs, all_sum(processes, own.size()));
 }
 
-/// The problems of the rows of all ranks.
-RowProblems problems_of_rows(Communicator& ranks, State const& own) {
+/// The problems of the rows of all processes.
+RowProblems problems_of_rows(Communicator& processes, State const& own) {
   MessageWriter message_of_own;
   RowProblems(own).write(message_of_own);
   RowProblems problems;
-  for (Message const& bytes : all_gather(ranks, message_of_own.take())) {
+  for (Message const& bytes : all_gather(processes, message_of_own.take())) {
     MessageReader message(bytes);
     problems.add(RowProblems(message));
   }
@@ -252,7 +231,7 @@ CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOve
   return packed_layout(box, all.radii, all.count, 2.0 * displacement_at_speed);
 }
 
-TiledOnRanks::TiledOnRanks(EngineSettings const& settings, State const& own)
+SharedTiledEngine::SharedTiledEngine(EngineSettings const& settings, State const& own)
     : settings_(settings),
       all_(overview_of_all(own.agents, settings.processes)),
       duration_(step_duration(settings, all_.radii.smallest)) {
@@ -260,9 +239,9 @@ TiledOnRanks::TiledOnRanks(EngineSettings const& settings, State const& own)
   require_all_valid(own);
 }
 
-void TiledOnRanks::require_valid(State const& own) const { RowProblems(own).require_none(own.box); }
+void SharedTiledEngine::require_valid(State const& own) const { RowProblems(own).require_none(own.box); }
 
-void TiledOnRanks::take_restored(State& own) {
+void SharedTiledEngine::take_restored(State& own) {
   AllProcesses const processes = settings_.processes;
   sort_by_ids(processes, own.agents);
   bool const are_sorted = are_in_order(processes, own.agents.ids());
@@ -276,53 +255,53 @@ void TiledOnRanks::take_restored(State& own) {
   require_all_valid(own);
 }
 
-void TiledOnRanks::count_ids(State const& own) {
-  Communicator& ranks = settings_.processes.communicator();
+void SharedTiledEngine::count_ids(State const& own) {
+  Communicator& processes = settings_.processes.communicator();
   id_indices_.resize(own.agents.size());
   std::iota(id_indices_.begin(), id_indices_.end(),
-            static_cast<std::uint32_t>(division_of(ranks, own.agents.size()).first(ranks.rank())));
+            static_cast<std::uint32_t>(division_of(processes, own.agents.size()).first(processes.rank())));
 }
 
-void TiledOnRanks::require_all_valid(State const& own) const {
-  Communicator& ranks = settings_.processes.communicator();
-  RowProblems const problems = tiled::problems_of_rows(ranks, own);
-  agree(ranks, [&] { require_room_for_turns_of(settings_, own, all_, problems); });
+void SharedTiledEngine::require_all_valid(State const& own) const {
+  Communicator& processes = settings_.processes.communicator();
+  RowProblems const problems = tiled::problems_of_rows(processes, own);
+  agree(processes, [&] { require_room_for_turns_of(settings_, own, all_, problems); });
   require_no_overlaps(own);
 }
 
-void TiledOnRanks::advance(State& own, Counters& counters, StopCondition const& stop_condition) {
+void SharedTiledEngine::advance(State& own, Counters& counters, StopCondition const& stop_condition) {
   if (stop_condition.is_reached(own.clock, counters.pair_collisions)) return;
-  Communicator& ranks = settings_.processes.communicator();
+  Communicator& processes = settings_.processes.communicator();
   std::exception_ptr thrown;
   std::optional<LongSubstep> long_substep;
-  do_or_abandon(ranks, [&] {
-    tiled::PartOfRank part(ranks, tiled::rule_of(settings_, own.box, all_), tiled_layout(settings_, own.box, all_), own,
-                           id_indices_);
+  do_or_abandon(processes, [&] {
+    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own.box, all_),
+                              tiled_layout(settings_, own.box, all_), own, id_indices_);
     own.agents.forget_values();
     part.begin(settings_.threads);
-    thrown = take_steps_together(ranks, own.clock, duration_, counters, stop_condition, [&](std::uint64_t steps) {
-      return tiled::take_steps(ranks, part.share(), steps, counters);
+    thrown = take_steps_together(processes, own.clock, duration_, counters, stop_condition, [&](std::uint64_t steps) {
+      return tiled::take_steps(processes, part.share(), steps, counters);
     });
     part.give_back(own, id_indices_);
     long_substep = part.long_substep();
-    note_traffic_of_all(ranks);
+    note_traffic_of_all(processes);
   });
   if (thrown) std::rethrow_exception(thrown);
-  agree(ranks, [&] {
+  agree(processes, [&] {
     if (long_substep) throw_long_substep(own.clock.step, *long_substep);
   });
 }
 
-void TiledOnRanks::require_no_overlaps(State const& own) const {
-  Communicator& ranks = settings_.processes.communicator();
+void SharedTiledEngine::require_no_overlaps(State const& own) const {
+  Communicator& processes = settings_.processes.communicator();
   std::vector<Problem> problems;
-  do_or_abandon(ranks, [&] {
-    tiled::PartOfRank part(ranks, tiled::rule_of(settings_, own.box, all_), tiled_layout(settings_, own.box, all_), own,
-                           id_indices_);
+  do_or_abandon(processes, [&] {
+    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own.box, all_),
+                              tiled_layout(settings_, own.box, all_), own, id_indices_);
     part.begin(settings_.threads);
-    problems = tiled::problems_of(ranks, part, rounding_of_contact(own.box, all_.radii.smallest));
+    problems = tiled::problems_of(processes, part, rounding_of_contact(own.box, all_.radii.smallest));
   });
-  agree(ranks, [&] {
+  agree(processes, [&] {
     if (!problems.empty()) throw Error(problems);
   });
 }
