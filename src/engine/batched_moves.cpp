@@ -8,9 +8,9 @@
 #include "engine/packed_turns.hpp"
 #include "gridlock/grid/detail/waiting_in_block.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
-// of Highway are used; target() chooses which of the kernels is called. Registers of SVE have no size and fit in no
-// struct.
+// This file is written once with Google Highway and compiled once for every target below, because it includes itself.
+// It uses only headers of Highway; target() chooses the kernel that is called. SVE is left out: its registers have no
+// fixed size, so no struct can hold them.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/batched_moves.cpp"
@@ -19,7 +19,7 @@
 
 #include "core/highway-inl.hpp"
 
-// The plain C++ beside is faster than Highway's one lane.
+// Without vector instructions the plain C++ in turn.hpp is faster than Highway with one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
@@ -30,7 +30,7 @@ namespace {
 using Block = PackedGrid::Block;
 
 constexpr std::size_t most = PackedTurns::largest_batch;
-/// Sub-steps are counted in double precision.
+/// A limit on the sub-steps, because they are counted in double precision.
 constexpr std::uint64_t max_substeps = 1'000'000'000;
 
 using Doubles = hn::CappedTag<double, 8>;
@@ -39,11 +39,11 @@ static_assert(lanes <= PackedTurns::read_behind);
 using Floats = hn::CappedTag<float, 16>;
 constexpr std::size_t blocks_at_once = hn::MaxLanes(Floats()) / PackedGrid::slots;
 
-/// A property of each disk that takes its turn.
+/// A value of type T for each disk of a batch.
 template <class T>
 using Each = std::array<T, most>;
 
-/// A Vector that is not set to zero first, which would take as long as a whole turn.
+/// A vector that is not set to zero first; setting the arrays of a batch to zero would take as long as a whole turn.
 struct Point {
   double x;
   double y;
@@ -51,35 +51,35 @@ struct Point {
   operator Vector() const { return {x, y}; }
 };
 
-/// The disks that take their turns, as the phases hand them on. What is written lane by lane is not read as a whole
-/// soon after: that makes the processor wait until all before it is done.
+/// The disks of a batch, as each phase of the computation leaves them for the next. A phase must not read as one
+/// register what was just written number by number: the processor would wait until all the writes are done.
 struct alignas(64) Turning {
   Each<double> x;
   Each<double> y;
-  Each<double> displacement_x;  ///< in a sub-step
+  Each<double> displacement_x;  ///< displacement in a sub-step, in units of length
   Each<double> displacement_y;
-  Each<double> end_x;  ///< where it comes to if it meets nobody
+  Each<double> end_x;  ///< x at the end of the turn if the disk meets no other
   Each<double> end_y;
   Each<double> radius;
-  Each<double> column;  ///< of its cell
+  Each<double> column;  ///< column of the cell that holds the disk
   Each<double> row;
-  Each<double> free_substeps;  ///< before the one in which it meets its partner
-  Each<Point> position;        ///< where it comes to
-  Each<float> sight_x;         ///< seen from its cell: where it would come to
+  Each<double> free_substeps;  ///< sub-steps before the one in which the disk meets its partner
+  Each<Point> position;        ///< position at the end of the turn
+  Each<float> sight_x;         ///< x at the end of a free turn, in cells, relative to the disk's own cell
   Each<float> sight_y;
-  Each<float> limit;    ///< of the squared distance from there to disks it may meet
-  Each<float> local_x;  ///< seen from its cell: where it comes to
+  Each<float> limit;    ///< largest squared distance from the sight point at which another disk may be met
+  Each<float> local_x;  ///< x at the end of the turn, in cells, relative to the disk's own cell
   Each<float> local_y;
-  Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of block k around may be met
+  Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of neighbouring block k may be met
   Each<DiskInTurn*> disk;
   Each<Block*> block;
-  Each<std::uint32_t> partner;  ///< the row of the one whom it meets, if it meets anybody
+  Each<std::uint32_t> partner;  ///< row of the disk that the moving disk meets, if it meets any
 };
 
-/// Bit l is that of turn l.
+/// A set of turns of the batch: bit l stands for turn l.
 using Turns = unsigned;
 
-/// As many single-precision numbers.
+/// The vector type with as many lanes of single precision.
 template <class D>
 using Single = hn::Rebind<float, D>;
 
@@ -89,7 +89,7 @@ struct Vectors {
   hn::Vec<D> y;
 };
 
-/// Two numbers that are side by side in memory, of all disks.
+/// Loads two numbers that lie side by side in memory, for each disk of a register.
 template <class D>
 HWY_INLINE Vectors<D> pairs_of(D tag, double const* const* from) {
   auto const even = side_by_side<2>(tag, from, 2);
@@ -116,7 +116,7 @@ HWY_INLINE hn::Vec<D> radii_of(D tag, DiskInTurn const* const* disks) {
   return pairs_of(tag, from).x;
 }
 
-/// Columns and rows of cells, as x and y.
+/// Columns and rows of the cells of these blocks, as numbers x and y in double precision.
 template <class D>
 HWY_INLINE Vectors<D> cells_of(D tag, Block const* const* blocks) {
   static_assert(offsetof(Block, row) == offsetof(Block, column) + sizeof(std::int32_t));
@@ -125,7 +125,7 @@ HWY_INLINE Vectors<D> cells_of(D tag, Block const* const* blocks) {
   std::int32_t const* from[hn::MaxLanes(D())];
   for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &blocks[k]->column;
   auto const both = hn::BitCast(words, side_by_side<2>(numbers, from));
-  // Numbers below 2³² added to 2⁵² are the last bits of the sum.
+  // A whole number below 2³² becomes a double without a conversion: it is the last bits of 2⁵² plus the number.
   auto const two_to_52 = hn::Set(words, 0x4330'0000'0000'0000U);
   auto const to_double = [&](auto whole) HWY_ATTR {
     return hn::Sub(hn::BitCast(tag, hn::Or(whole, two_to_52)), hn::BitCast(tag, two_to_52));
@@ -133,7 +133,7 @@ HWY_INLINE Vectors<D> cells_of(D tag, Block const* const* blocks) {
   return {to_double(hn::And(both, hn::Set(words, 0xffff'ffffU))), to_double(hn::ShiftRight<32>(both))};
 }
 
-/// Coordinates in cells, seen from one.
+/// Coordinates in units of cells, relative to a cell given by its column or row.
 template <class D>
 HWY_INLINE hn::Vec<D> in_cells(D tag, hn::Vec<D> p, double cells_per_length, hn::Vec<D> cells) {
   return hn::Sub(hn::Mul(p, hn::Set(tag, cells_per_length)), cells);
@@ -158,15 +158,15 @@ HWY_INLINE hn::Mask<D> is_inner(D tag, hn::Vec<D> cells, unsigned inner) {
 std::size_t count_of(std::uint64_t bits) { return static_cast<std::size_t>(std::popcount(bits)); }
 std::size_t first_of(std::uint64_t bits) { return static_cast<std::size_t>(std::countr_zero(bits)); }
 
-/// Turns of disks without a common neighbour, as many at a time as a register holds.
+/// Takes the turns of disks that have no common neighbour, as many at a time as a register has lanes.
 ///
-///     turns         0 1 2 3 │ 4 5 6 7       where they would come to, how far they see
-///                   0, 1, 2 …               whom they may meet: few, most turns one or none
-///     candidates    a – b c │ – d – e       in which sub-step a turn meets the first of them, if at all;
+/// turns         0 1 2 3 │ 4 5 6 7       end of the free turn, largest distance of disks to meet
+///                   0, 1, 2 …               candidates: few, most turns have one or none
+/// candidates    a – b c │ – d – e       sub-step in which a turn meets its first candidate, if it does;
 ///                   – – – f │               then the second …
-///     turns         0, 1, 2 …               moved, and those that meet somebody collide
+/// turns         0, 1, 2 …               disks are moved, and those that meet a partner collide
 ///
-/// The same operations in the same order as in one turn after the other, so that they round alike.
+/// Each turn does the same operations in the same order as take_turn(), so that its results are rounded alike.
 class BatchedMoves {
   using Pair = hn::FixedTag<double, 2>;
 
@@ -190,7 +190,7 @@ class BatchedMoves {
       aim(tag, first);
     });
     Turns const local = all & local_;
-    // Between walls all cells have their neighbours at the same distances in memory.
+    // In a box with walls every cell has its neighbours at the same distances in memory, also at an edge.
     bool const is_periodic = view_.box.is_periodic();
     Turns together = look_around(local & (is_periodic ? far_from_edge_ : inside_));
     if (is_periodic) together |= without_candidates(local & ~far_from_edge_ & inside_);
@@ -198,7 +198,7 @@ class BatchedMoves {
     for (Turns left = together; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       hn::Store(hn::Load(Pair(), &t_.position[l].x), Pair(), &t_.disk[l]->position.x);
-      // Whether it stays in its cell is as good as random.
+      // Chosen without a branch, because a processor cannot guess whether a disk stays in its cell.
       std::uint32_t const slot = slots_[l] | ((staying_ >> l & 1U) - 1U);
       place_within_cell(l, slot, t_.local_x[l], t_.local_y[l]);
     }
@@ -208,7 +208,7 @@ class BatchedMoves {
       note_order(*t_.block[l]);
       note_order(*grid_.place_of(rows_[l]).block);
     }
-    // In the order of the turns, on which sums of floating point numbers depend.
+    // Sums of floating-point numbers depend on the order, so the remaining turns go one by one in their order.
     for (Turns left = halted_ | (local & ~together); left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       if (halted_ >> l & 1U) {
@@ -228,8 +228,8 @@ class BatchedMoves {
   }
 
  private:
-  /// Calls visit(tag, first) for every register of `count` items from `first` on, the last one half as wide where that
-  /// will do.
+  /// Calls visit(tag, first) for each register that holds some of `count` items, beginning with item `first`. The last
+  /// register is half as wide where half is enough.
   template <class Visit>
   HWY_INLINE static void by_registers(std::size_t count, Visit visit) {
     constexpr std::size_t half = std::max<std::size_t>(2, lanes / 2);
@@ -242,7 +242,7 @@ class BatchedMoves {
     }
   }
 
-  /// Of the turns in a register; lanes beyond the last turn have the disks of others.
+  /// Finds the disks of the turns in a register. Lanes beyond the last turn hold disks of no turn of this batch.
   template <class D>
   HWY_INLINE void find_disks(D tag, std::size_t first) {
     HWY_UNROLL(8)
@@ -253,7 +253,7 @@ class BatchedMoves {
     }
   }
 
-  /// Where the disks in a register are bound for, from turn `first` on, and where they come to if they meet nobody.
+  /// Computes where the disks in a register, from turn `first` on, end if they meet no other disk.
   template <class D>
   HWY_INLINE void aim(D tag, std::size_t first) {
     using Double = hn::Vec<D>;
@@ -268,12 +268,12 @@ class BatchedMoves {
     Double const squared_speed = squared_length(velocity.x, velocity.y);
     Double const contact = hn::Add(radius, hn::Set(tag, c.cutoff.contact(0.0)));
 
-    // is_local()
+    // The condition of PackedTurns::is_local().
     Double const room = hn::Sub(hn::Sub(hn::Set(tag, c.room), contact), hn::Set(tag, c.cutoff.rounding()));
     Double const squared_displacement = hn::Mul(hn::Mul(squared_speed, duration), duration);
     IsTrue const local = hn::And(hn::Gt(room, hn::Zero(tag)), hn::Le(squared_displacement, hn::Mul(room, room)));
 
-    // find_near()
+    // The limit of PackedTurns::find_near().
     Double const squared_cutoff =
         hn::Add(hn::Mul(contact, contact), hn::Mul(hn::Set(tag, c.duration * c.duration), squared_speed));
     auto const limit = hn::DemoteTo(single, hn::Mul(squared_cutoff, hn::Set(tag, c.limit_per_area)));
@@ -285,7 +285,7 @@ class BatchedMoves {
     store_local(tag, &t_.sight_x[first], in_cells(tag, end_x, columns_per_length, cells.x), grid_.local_width());
     store_local(tag, &t_.sight_y[first], in_cells(tag, end_y, rows_per_length, cells.y), grid_.local_height());
 
-    // take_turn() without partners
+    // The end of take_turn() for a disk that meets no partner.
     hn::Store(position.x, tag, &t_.x[first]);
     hn::Store(position.y, tag, &t_.y[first]);
     hn::Store(radius, tag, &t_.radius[first]);
@@ -312,8 +312,8 @@ class BatchedMoves {
     hn::Store(y, tag, &t_.end_y[first]);
   }
 
-  /// Whether disks stay within the walls, or in the box, from one point to the other. Every sub-step adds the same
-  /// displacement, so all places are between these two, however they round.
+  /// Returns whether disks stay between the walls, or inside the periodic box, on the way from one point to the other.
+  /// Every sub-step adds the same displacement, so all positions lie between the two points, however they are rounded.
   template <class D>
   HWY_INLINE hn::Mask<D> is_inside(D tag, Vectors<D> from, Vectors<D> to, hn::Vec<D> radius) const {
     using Double = hn::Vec<D>;
@@ -327,7 +327,7 @@ class BatchedMoves {
     return hn::And(in_x, in_y);
   }
 
-  /// Whom these turns may meet. Returns those whose cells around fit one block each.
+  /// Finds the candidates of these turns. Returns the turns whose neighbouring cells have one block each.
   HWY_INLINE Turns look_around(Turns turns) {
     bool const may_have_further_blocks = grid_.has_further_blocks();
     std::ptrdiff_t const blocks_in_row = grid_.blocks_in_row();
@@ -346,8 +346,8 @@ class BatchedMoves {
     return turns;
   }
 
-  /// Whom turn l may meet, in a cell that has its neighbours where inner ones do: not by block_offsets, without a look
-  /// at memory for each.
+  /// Finds the candidates of turn l in a cell whose neighbours lie in memory as those of inner cells do, so that their
+  /// addresses are computed and not loaded.
   HWY_INLINE std::uint64_t near_of(std::size_t l, Block const* here, std::ptrdiff_t blocks_in_row) const {
     Block const* const below = here - blocks_in_row;
     Block const* const above = here + blocks_in_row;
@@ -355,8 +355,8 @@ class BatchedMoves {
            std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
   }
 
-  /// Which of these turns, at the edge of a periodic box, may meet nobody. Distances are those of the nearest images
-  /// there.
+  /// Returns those of these turns, at the edge of a periodic box, without candidates; distances are to the nearest
+  /// images.
   Turns without_candidates(Turns turns) const {
     bool const may_have_further_blocks = grid_.has_further_blocks();
     for (Turns left = turns; left != 0; left &= left - 1) {
@@ -374,7 +374,7 @@ class BatchedMoves {
 
   using Around = std::array<Block const*, TurnConstants::blocks_around>;
 
-  /// Whom turn l may meet in the cells around.
+  /// Returns bits of the candidates of turn l in the neighbouring cells.
   template <std::size_t at_once = blocks_at_once>
   HWY_INLINE std::uint64_t near_around(Around const& around, std::size_t l) const {
     static_assert(offsetof(Block, y) == offsetof(Block, x) + PackedGrid::slots * sizeof(float));
@@ -411,7 +411,7 @@ class BatchedMoves {
     return near;
   }
 
-  /// Whom turn l may meet in its cell, and itself.
+  /// Returns bits of the candidates of turn l in its own cell, the disk itself among them.
   HWY_INLINE unsigned near_in(Block const& here, std::size_t l) const {
     hn::FixedTag<float, PackedGrid::slots> const tag;
     auto const dx = hn::Sub(hn::Load(tag, here.x.data()), hn::Set(tag, t_.sight_x[l]));
@@ -421,7 +421,7 @@ class BatchedMoves {
 
   static constexpr std::size_t own_slots = TurnConstants::blocks_around * PackedGrid::slots;
 
-  /// Whether a cell around the one of this block has more disks than a block.
+  /// Returns whether a cell next to the cell of this block has more disks than one block holds.
   [[nodiscard]] bool has_further_blocks(Block const& block, std::ptrdiff_t const* offset) const {
     Block const* const first = &std::as_const(grid_).block_at(block.column, block.row);
     std::uint32_t next = PackedGrid::none;
@@ -429,16 +429,16 @@ class BatchedMoves {
     return next != PackedGrid::none;
   }
 
-  /// How turns end that may meet somebody.
+  /// The ends of turns that have a candidate.
   template <class D>
   struct Outcome {
     Vectors<D> at;
     hn::Vec<D> free_substeps;
-    hn::Vec<D> squared;  ///< distance of the one who is met
+    hn::Vec<D> squared;  ///< squared distance to the disk that is met
     hn::Mask<D> is_met;
   };
 
-  /// Whom the turns in a register meet, and where they end.
+  /// Finds the partners of the turns in a register, and where the turns end.
   template <class D>
   HWY_INLINE void find_partners(D tag, std::size_t first) {
     constexpr std::size_t count = hn::MaxLanes(D());
@@ -452,12 +452,12 @@ class BatchedMoves {
     std::uint32_t rows[count];
     DiskInTurn const* candidates[count];
     std::ptrdiff_t const* const offset = constants_.block_offsets[0].data();
-    // Whom the next bits name. Returns the turns that have more.
+    // Sets `rows` to the next candidate of each turn. Returns the turns that have further candidates.
     auto const next_candidates = [&]() HWY_ATTR {
       unsigned more = 0;
       for (std::size_t k = 0; k < count; ++k) {
-        // Without a candidate slot 0 of its own block is looked at, in which somebody is: empty slots name disks that
-        // were here before, and that may be another thread's now.
+        // A turn without a candidate looks at slot 0 of its own block, which always holds a disk. An empty slot would
+        // not do: it keeps the row of a disk that has left, which another thread may be writing.
         std::size_t const bit = first_of(near[k] | std::uint64_t{1} << (own_slots + PackedGrid::slots));
         Block const& block = t_.block[first + k][offset[bit / PackedGrid::slots]];
         rows[k] = block.agent[bit % PackedGrid::slots];
@@ -490,8 +490,8 @@ class BatchedMoves {
     end_at(tag, first, outcome.at, cells);
   }
 
-  /// Which turns meet the disks in `rows` rather than their partners: the choice of Partner::consider(), of disks that
-  /// are first met in different sub-steps.
+  /// Returns the turns that meet the disks in `rows` before their partners: the choice of Partner::consider(), for
+  /// disks that are first met in different sub-steps.
   template <class D>
   HWY_INLINE hn::Mask<D> comes_first(D tag, Outcome<D> const& with_row, Outcome<D> const& with_partner,
                                      std::uint32_t const* partners, std::uint32_t const* rows) const {
@@ -508,7 +508,7 @@ class BatchedMoves {
     return hn::And(with_row.is_met, hn::Or(hn::Or(is_earlier, is_nearer), mask_of(tag, has_lower_id)));
   }
 
-  /// How the turns in a register end that have a candidate, if they meet nobody else.
+  /// Computes how the turns in a register that have a candidate end if they meet no other disk.
   template <class D>
   HWY_INLINE Outcome<D> meet(D tag, std::size_t first, DiskInTurn const* const* candidates,
                              unsigned with_candidate) const {
@@ -520,7 +520,7 @@ class BatchedMoves {
     Double const displacement_y = hn::Load(tag, &t_.displacement_y[first]);
     Double x = hn::Load(tag, &t_.x[first]);
     Double y = hn::Load(tag, &t_.y[first]);
-    // No place waits for the answer whether two disks are apart.
+    // Positions are advanced without a branch on whether the two disks are apart, so that no computation waits for it.
     Double last_x = x;
     Double last_y = y;
     Double squared = hn::Zero(tag);
@@ -542,14 +542,13 @@ class BatchedMoves {
     return {{hn::IfThenElse(is_met, last_x, x), hn::IfThenElse(is_met, last_y, y)}, free_substeps, squared, is_met};
   }
 
-  /// True in the lanes of the bits.
+  /// True in the lanes whose bits are set.
   template <class D>
   static HWY_INLINE hn::Mask<D> mask_of(D tag, unsigned bits) {
     std::uint8_t const bytes[8] = {static_cast<std::uint8_t>(bits)};
     return hn::LoadMaskBits(tag, bytes);
   }
 
-  /// The turns in a register end there.
   template <class D>
   HWY_INLINE void end_at(D tag, std::size_t first, Vectors<D> to, Vectors<D> cells) {
     hn::StoreInterleaved2(to.x, to.y, tag, &t_.position[first].x);
@@ -560,8 +559,8 @@ class BatchedMoves {
     staying_ |= bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
   }
 
-  /// The disk of turn l is now there in its cell; nothing changes for a slot that there is not. Written as a whole:
-  /// what is written in halves and soon read as a whole makes the processor wait.
+  /// Writes the position of the disk of turn l into its slot; a slot that does not exist changes nothing. The two
+  /// coordinates are written as one: the processor would wait if they were written singly and soon read as one.
   HWY_INLINE void place_within_cell(std::size_t l, std::uint32_t slot, float x, float y) {
     if constexpr (blocks_at_once == 1) {
       PackedGrid::place_within_cell(*t_.block[l], slot, {x, y});
@@ -576,7 +575,7 @@ class BatchedMoves {
     }
   }
 
-  /// At an edge, or beside a cell with more disks than a block.
+  /// Takes the turn of a disk at an edge, or beside a cell with more disks than a block, by itself.
   void take_alone(std::size_t l) {
     Block const& here = *t_.block[l];
     if (view_.box.is_periodic() ||
@@ -591,7 +590,7 @@ class BatchedMoves {
                 result_of(l).counters);
   }
 
-  /// Where a disk has come or gone: whoever asks for the order later need not find out first whether it is known.
+  /// Brings the order of Ids in a block up to date after a disk has come or gone, for later readers.
   void note_order(Block& block) const {
     if (block.next != PackedGrid::none) return;
     note_order_of_ids(block, [this](std::uint32_t row) { return view_.disks[row].id_index; });
@@ -599,17 +598,17 @@ class BatchedMoves {
 
   [[nodiscard]] TurnResult& result_of(std::size_t l) const { return *results_[places_[l]]; }
 
-  /// Turn l ends at its partner.
+  /// Lets the disk of turn l collide with its partner.
   HWY_INLINE void collide(std::size_t l, Counters& counters) {
     auto const left_out = static_cast<std::uint64_t>(static_cast<double>(view_.substeps - 1) - t_.free_substeps[l]);
     checks_left_out_ += left_out * count_of(t_.near[l]);
     collide(*t_.disk[l], view_.disks[t_.partner[l]], counters);
   }
 
-  /// x + y in both lanes.
+  /// Returns x + y in both lanes.
   static HWY_INLINE hn::Vec<Pair> sum(hn::Vec<Pair> v) { return hn::Add(v, hn::Shuffle01(v)); }
 
-  /// As collide() of turn.hpp, x and y side by side.
+  /// The rule of collide() in turn.hpp, with x and y in one register.
   HWY_INLINE void collide(DiskInTurn& self, DiskInTurn& other, Counters& counters) const {
     Pair const tag;
     auto b = hn::Sub(hn::Load(tag, &other.position.x), hn::Load(tag, &self.position.x));
@@ -642,11 +641,11 @@ class BatchedMoves {
   std::size_t count_;
   Turns local_ = 0;
   Turns far_from_edge_ = 0;
-  Turns inside_ = 0;   ///< neither at a wall nor across an edge if they meet nobody
-  Turns staying_ = 0;  ///< in their cells
+  Turns inside_ = 0;   ///< turns whose disks neither reach a wall nor cross an edge if they meet no other
+  Turns staying_ = 0;  ///< turns whose disks stay in their cells
   Turns halted_ = 0;
   Turns with_candidates_ = 0;
-  std::uint64_t checks_ = 0;  ///< in each sub-step
+  std::uint64_t checks_ = 0;  ///< overlap checks in each sub-step
   std::uint64_t checks_left_out_ = 0;
   Turning t_;
 };

@@ -29,7 +29,7 @@ void require_room_for_images(State const& state) {
                .key = "engine.kind"});
 }
 
-/// Bounces that a wall gives a disk at once would be handed back by the other at once, for ever.
+/// Throws Error for a disk that touches two walls at once: the walls would hand it back and forth without end.
 void require_room_between_walls(State const& state, double rounding) {
   if (state.box.is_periodic()) return;
   for (std::size_t i = 0; i < state.agents.size(); ++i) {
@@ -47,9 +47,10 @@ void require_room_between_walls(State const& state, double rounding) {
   }
 }
 
-/// Collisions share the energy out, so that the lightest disk becomes as fast as its mass is small. A path is computed
-/// from the zero of an epoch, in which a disk of the root mean square speed crosses two cells: one that is s times as
-/// fast overlaps by up to s · 4 · 2⁻⁵³ · 2 cells. Measured is a tenth of that, 1.3 · 10⁻¹² of contact at s = 2 · 10⁴.
+/// Throws Error for masses that differ so much that rounding matters. Collisions share the energy, so a disk of small
+/// mass becomes fast. A path is computed from the start of an epoch, in which a disk of the root mean square speed
+/// crosses two cells; a disk that is s times as fast overlaps by up to s · 4 · 2⁻⁵³ · 2 cells. Runs show a tenth of
+/// this bound: 1.3 · 10⁻¹² contact distances at s = 2 · 10⁴.
 void require_masses_of_like_size(State const& state) {
   constexpr double max_speed_ratio = 1000.0;
   auto const masses = state.agents.column<Mass>();
@@ -68,7 +69,7 @@ void require_masses_of_like_size(State const& state) {
        .key = "disks.species"});
 }
 
-/// Strips of fewer disks would be all border.
+/// The least number of disks for threads: with fewer, every disk of a strip would be near its border.
 constexpr std::size_t min_disks_to_share = 5000;
 
 }  // namespace
@@ -134,7 +135,7 @@ void ExactEngine::start_from(State const& state) {
 }
 
 void ExactEngine::make_dynamics(State const& state) {
-  dynamics_ = nullptr;  // first the old memory goes, then the new comes
+  dynamics_ = nullptr;  // the old memory is freed before the new is allocated
   if (threads_ == nullptr && state.agents.size() >= min_disks_to_share) {
     threads_ = std::make_unique<ThreadPool>(thread_count_);
   }
@@ -161,7 +162,7 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
     }
     if (!is_at_target) {
       bool const is_interrupted = counters.pair_collisions < stop_condition.pair_collisions;
-      // Short of the target by the clock as well, or what is left of the step would be taken for done.
+      // The clock stays short of the target too, or the rest of the step would be taken for done.
       leave_at_last_event(state, is_interrupted ? std::nextafter(target, state.clock.time) : target);
       return;
     }
@@ -171,8 +172,8 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
   left_.remember(state);
 }
 
-/// The end of the next step; where threads share the work, that of the last one in the window of time that they fly
-/// apart.
+/// The time at which the next step ends. Where threads share the work, the time of the last step that ends within the
+/// window in which strips fly independently.
 double ExactEngine::next_target(Clock const& clock, StopCondition const& stop_condition) const {
   double const end_of_window = clock.time + dynamics_->window();
   double target = next_step_time_;
@@ -182,7 +183,7 @@ double ExactEngine::next_target(Clock const& clock, StopCondition const& stop_co
   return std::min(target, stop_condition.time);
 }
 
-/// Moves the clock on to this time; says whether a step ends there.
+/// Moves the clock to this time. Returns whether a step ends there.
 bool ExactEngine::pass_steps_until(double time, Clock& clock) {
   clock.time = time;
   bool ends_step = false;
@@ -203,7 +204,7 @@ std::uint64_t ExactEngine::audits_for_missed_events() const {
 }
 
 void ExactEngine::leave_at_last_event(State& state, double latest) {
-  // As one thread would leave it, which comes to each step by itself.
+  // The clock counts the steps up to the last event, as it would with one thread, which stops at each step.
   while (next_step_time_ - start_time_ < dynamics_->last_event()) {
     ++state.clock.step;
     next_step_time_ += duration_;

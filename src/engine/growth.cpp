@@ -20,10 +20,10 @@ namespace gridlock {
 
 namespace {
 
-/// Hits of each disk, on the average, after which the events are sorted anew.
+/// Hits of each disk, on average, after which the events are sorted anew.
 constexpr std::uint64_t hits_per_renewal = 32;
 
-/// A gap is known to the last digits of the coordinates; this many of them are enough to tell one gap from another.
+/// Least gap in last digits of the coordinates: enough digits to tell gaps apart.
 constexpr double digits_of_gap = 16.0;
 
 double closest_packing(State const& state) {
@@ -31,13 +31,13 @@ double closest_packing(State const& state) {
   return smallest == largest ? std::numbers::pi / std::sqrt(12.0) : 1.0;
 }
 
-/// The pressure at which gaps, of a diameter over p, have the last digits that they need.
+/// The largest reduced pressure p: gaps, about a diameter over p wide, then have just enough digits.
 double largest_pressure(State const& state) {
   double const last_digit = std::numeric_limits<double>::epsilon() * std::max(state.box.width(), state.box.height());
   return 2.0 * radius_range(state.agents).smallest / (digits_of_gap * last_digit);
 }
 
-/// kT, summed in the order of the Ids, so that its bits do not depend on that of the rows.
+/// Returns kT, summed in the order of the Ids, so that its bits do not depend on the order of the rows.
 double temperature_by_id(State const& state) {
   std::vector<std::uint32_t> const rows = rows_in_order(state.agents.ids());
   if (std::ranges::is_sorted(rows)) return temperature(state).value_or(0.0);
@@ -49,7 +49,7 @@ double temperature_by_id(State const& state) {
   return temperature(state.box, sorted).value_or(0.0);
 }
 
-/// Among disks of the smallest size the lightest one counts: the fastest.
+/// Returns the mass of the lightest, thus fastest, of the smallest disks.
 double mass_of_smallest(Disks const& disks) {
   double const smallest = radius_range(disks).smallest;
   double mass = std::numeric_limits<double>::infinity();
@@ -59,7 +59,7 @@ double mass_of_smallest(Disks const& disks) {
   return mass;
 }
 
-/// packing_fraction_of(), added up in the order of the Ids: the same digits for any order of rows.
+/// Returns packing_fraction_of(), summed in the order of the Ids: the same bits for any order of rows.
 double packing_fraction_by_id(State const& state) {
   double sum = 0.0;
   for (std::uint32_t const row : rows_in_order(state.agents.ids())) {
@@ -118,7 +118,7 @@ void check_ends(GrowthSettings const& settings, State const& state, std::vector<
   }
 }
 
-/// As disks grow, they must not come to touch two images of the same partner.
+/// Reports growth to a size at which a disk would touch two images of the same partner.
 void check_room(GrowthSettings const& settings, State const& state, std::vector<Problem>& problems) {
   if (!state.box.is_periodic()) return;
   double const last = settings.pressure ? closest_packing(state) : settings.packing_fraction.value_or(0.0);
@@ -172,7 +172,7 @@ void Growth::start_from(State const& state) {
   double const temperature = temperature_by_id(state);
   require_growth(settings_, state, temperature);
   double const diameter = 2.0 * radius_range(state.agents).smallest;
-  dynamics_ = nullptr;  // first the old memory goes, then the new comes
+  dynamics_ = nullptr;  // the old memory is freed before the new is allocated
   dynamics_ = std::make_unique<exact::Dynamics>(state, exact::DynamicsOptions{.rate = diameter_rate_ / diameter});
   start_time_ = state.clock.time;
   last_scale_ = settings_.packing_fraction ? std::sqrt(*settings_.packing_fraction / packing_fraction_by_id(state))
@@ -224,7 +224,7 @@ void Growth::leave_at_last_event(State& state) {
   left_->remember(state);
 }
 
-/// kT rises between two rescalings; its mean is that of the ends.
+/// Measures the reduced pressure. kT rises between two rescalings; the mean of its two ends is used.
 void Growth::measure_pressure(State const& state) {
   auto const [time, virial] = dynamics_->measurement();
   double const temperature = 0.5 * (measured_from_temperature_ + temperature_by_id(state));
@@ -251,7 +251,7 @@ void Growth::rescale(State& state) {
 void Growth::finish_at_density(State& state) {
   state.clock.time = start_time_ + dynamics_->time_of(last_scale_);
   dynamics_->write_grown(last_scale_, state);
-  // The hits of a few disks say nothing.
+  // A pressure from fewer than two hits for each disk is too inaccurate to replace the last one.
   bool const has_seen_enough = dynamics_->hits() + hits_per_rescaling_ >= hits_at_rescaling_ + 2 * dynamics_->size();
   if (has_seen_enough || !reduced_pressure_) measure_pressure(state);
   finish(state);

@@ -15,7 +15,7 @@
 
 namespace gridlock {
 
-/// The place of each row in the order of the Ids.
+/// Returns the position of each row in the order of the Ids.
 inline std::vector<std::uint32_t> id_indices(Disks const& disks) {
   std::vector<std::uint32_t> const by_id = rows_in_order(disks.ids());
   std::vector<std::uint32_t> id_index(by_id.size());
@@ -34,7 +34,7 @@ inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::span<
           .row_in_state = row};
 }
 
-/// Writes a disk back into the row that it came from.
+/// Writes a disk to the row of the state that it came from.
 inline void write_back(DiskInTurn const& disk, Disks& to) {
   std::size_t const row = disk.row_in_state;
   to.column<X>()[row] = disk.position.x;
@@ -45,25 +45,25 @@ inline void write_back(DiskInTurn const& disk, Disks& to) {
   to.column<ImageY>()[row] = disk.image_y;
 }
 
-/// The disks of a state side by side, in an order of the engine's own, while they take their turns.
+/// The disks of a state as records, in an order of the engine's own, while they take their turns.
 class HotDisks {
  public:
-  /// `order[k]` is the row of the state that comes to row k.
+  /// Copies the disks of the state: row k gets the disk of row `order[k]` of the state.
   HotDisks(State const& state, std::span<std::uint32_t const> order) : disks_(order.size()) {
     std::vector<std::uint32_t> const id_index = id_indices(state.agents);
     for (std::size_t k = 0; k < order.size(); ++k) disks_[k] = disk_in_turn(state.agents, order[k], id_index);
   }
 
-  /// Those given.
+  /// Takes over these disks.
   explicit HotDisks(LargeArray<DiskInTurn>&& disks) : disks_(std::move(disks)) {}
 
   [[nodiscard]] std::size_t size() const { return disks_.size(); }
   [[nodiscard]] DiskInTurn const& operator[](std::size_t k) const { return disks_[k]; }
   [[nodiscard]] DiskInTurn& operator[](std::size_t k) { return disks_[k]; }
-  /// Valid until the next one is added.
+  /// Returns the disks; the range is valid until add() is called.
   [[nodiscard]] std::span<DiskInTurn> all() { return disks_; }
   void add(DiskInTurn const& disk) { disks_.push_back(disk); }
-  /// How many there can be before their memory moves.
+  /// Number of disks for which memory is allocated.
   [[nodiscard]] std::size_t room() const { return disks_.capacity(); }
   [[nodiscard]] LargeArray<DiskInTurn> take() { return std::move(disks_); }
 
@@ -83,7 +83,7 @@ class HotDisks {
   LargeArray<DiskInTurn> disks_;
 };
 
-/// A grid that holds every disk where it is.
+/// Returns a grid with every disk at its position.
 template <NeighbourGrid Grid>
 Grid grid_of(CellLayout const& layout, HotDisks const& disks) {
   Grid grid(layout, disks.size());

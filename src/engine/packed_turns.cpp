@@ -5,7 +5,7 @@
 namespace gridlock {
 
 void take_batch_scalar(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count) {
-  // All before the first is taken, which keeps the processor from waiting for each.
+  // All turns are prepared before the first is taken, so that the processor does not wait for the memory of each.
   std::array<PackedTurns::Prepared, PackedTurns::largest_batch> prepared;
   std::array<TurnResult*, PackedTurns::largest_batch> result_of;
   std::size_t local = 0;

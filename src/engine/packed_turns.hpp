@@ -17,14 +17,13 @@
 
 namespace gridlock {
 
-/// How far from its place at the start of a turn a disk can meet the centre of another: contact distance and
-/// displacement.
+/// The largest distance at which a disk at the start of its turn can meet a centre: contact distance plus displacement.
 class Cutoff {
  public:
   Cutoff(Box const& box, double largest_radius, double duration, std::uint64_t substeps)
       : largest_radius_(largest_radius),
         duration_(duration),
-        // Every sub-step may round the position by an ulp of the box, which adds up for slow disks and many sub-steps.
+        // Every sub-step may round the position by a last digit of the box side; these errors add up.
         rounding_(static_cast<double>(substeps) * std::numeric_limits<double>::epsilon() *
                   std::max(box.width(), box.height())) {}
 
@@ -43,32 +42,32 @@ class Cutoff {
 
 class PackedTurns;
 
-/// The results of turns.
+/// The results of one or several turns.
 struct TurnResult {
   Counters counters;
   std::vector<std::uint32_t> not_local;  ///< rows of disks that have not taken their turn
 };
 
-/// Turns one behind another, which may be of several tiles.
+/// A sequence of turns, which may belong to several tiles.
 struct TurnsInOrder {
-  std::uint32_t const* rows;         ///< of the disks
-  PackedGrid::Block* const* blocks;  ///< in which they are
-  std::uint8_t const* slots;         ///< in these
-  std::uint8_t const* places;        ///< among the results
+  std::uint32_t const* rows;         ///< row of each disk
+  PackedGrid::Block* const* blocks;  ///< block that holds each disk
+  std::uint8_t const* slots;         ///< slot of each disk in its block
+  std::uint8_t const* places;        ///< index of each turn's result
   TurnResult* const* results;
 
   [[nodiscard]] TurnResult& result_of(std::size_t turn) const { return *results[places[turn]]; }
 };
 
-/// A kernel of PackedTurns::take_batch(). What it is told fits in registers of the processor: it begins at once.
+/// A kernel of PackedTurns::take_batch(). Its arguments fit into registers of the processor.
 using TakeBatch = void (*)(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count);
 
-/// One turn after the other.
+/// Takes one turn after the other.
 void take_batch_scalar(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count);
-/// The kernel for instructions that are available.
+/// Returns the kernel for the instructions of this target, which the processor must have.
 TakeBatch batch_kernel(Target target);
 
-/// The numbers that do not change from turn to turn.
+/// Numbers that do not change from turn to turn.
 struct TurnConstants {
   TurnConstants(TurnView const& turn_view, PackedGrid const& grid, RadiusRange const& radii, double step_duration)
       : view(turn_view),
@@ -100,20 +99,20 @@ struct TurnConstants {
   CellLayout const& layout;
   Cutoff cutoff;
   double duration;
-  double room;  ///< for contact distance and displacement of a turn that is local
+  double room;  ///< distance for contact and displacement within which a turn is local
   double limit_per_area;
   float limit_error;
-  unsigned inner_columns;  ///< columns that are not at the edge
+  unsigned inner_columns;  ///< columns that are not at an edge
   unsigned inner_rows;
-  double radii_from_edge;  ///< that a disk keeps: 1 from walls, 0 where it goes through
-  double last_x;           ///< the coordinates of the upper edges, or the last ones below them where points are wrapped
+  double radii_from_edge;  ///< radii that a disk keeps from the edges: 1 from walls, 0 in a periodic box
+  double last_x;           ///< largest x inside the box: the upper edge, or just below it in a periodic box
   double last_y;
 
   static constexpr std::size_t blocks_around = 8;
-  /// Where the blocks of the cells around a cell are, seen from its block; the last two are its own.
+  /// Distances in memory from a cell's block to the blocks of the cells around it; the last two are its own block.
   using BlockOffsets = std::array<std::ptrdiff_t, blocks_around + 2>;
-  /// Of a cell in this column and row of a periodic box, in which those at an edge have others than the rest. Between
-  /// walls the first ones are those of all cells: PackedGrid has empty blocks where no cell is.
+  /// Returns the offsets for a cell in this column and row of a periodic box; cells at an edge have other offsets than
+  /// the rest. Between walls all cells have the offsets of inner cells: PackedGrid has empty blocks outside the box.
   [[nodiscard]] BlockOffsets const& block_offsets_at(int column, int row) const {
     std::size_t const in_columns = (column == 0 ? at_first : 0U) + (column + 1 == layout.columns() ? at_last : 0U);
     std::size_t const in_rows = (row == 0 ? at_first : 0U) + (row + 1 == layout.rows() ? at_last : 0U);
@@ -125,9 +124,9 @@ struct TurnConstants {
   static constexpr std::size_t kinds_of_column = at_first + at_last + 1;
   static constexpr std::size_t kinds_of_cell = kinds_of_column * kinds_of_column;
   std::array<BlockOffsets, kinds_of_cell> block_offsets;
-  /// What is to be added to a point seen from a cell to see it from cell k around it: to x as often as there are slots
-  /// in a block, then to y. Behind that of cell 0 lies that of cell 2, behind that of 1 that of 3, so that those of two
-  /// cells can be read as a whole.
+  /// Returns the shift of a point, in coordinates relative to a cell, that makes it relative to cell k around: the
+  /// shift of x once for each slot of a block, then that of y. The shift of cell 2 lies behind that of cell 0, that of
+  /// 3 behind that of 1, so that the shifts of two cells can be read at once.
   [[nodiscard]] float const* shift_of_block(std::size_t k) const { return shifts.data() + place_of_shift(k); }
   [[nodiscard]] float* shift_of_block(std::size_t k) { return shifts.data() + place_of_shift(k); }
   alignas(64) std::array<float, 2 * blocks_around * PackedGrid::slots> shifts;
@@ -144,7 +143,7 @@ struct TurnConstants {
     std::size_t const in_rows = kind / kinds_of_column;
     int const column = place(in_columns, layout.columns());
     int const row = place(in_rows, layout.rows());
-    // Away from the edge, whatever the number of cells is: the next one.
+    // The index of the next cell, counted without branches, is one further away from the edge.
     auto const next = [](bool is_at_edge, int index, int beyond_edge, int step) {
       return is_at_edge ? beyond_edge - index : step;
     };
@@ -164,18 +163,18 @@ struct TurnConstants {
   }
 };
 
-/// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
+/// Takes turns on a packed grid. The candidates of a disk are found once for each turn, and only those it may meet.
 ///
 /// During its displacement w, a disk at distance vector −d from another and not in contact, |d| ≥ c, comes as near as c
 /// after a part s ≤ 1 of it only if |d − s w|² < c², thus |d|² − c² < 2 s d·w − s² w² ≤ 2 s d·w. The left side is not
-/// below 0, so neither is d·w, and the bound holds for s = 1 as well: |d − w|² < c² + w². Seen from its end that is one
-/// comparison with one number for all candidates; in a dense system it leaves about one in twelve.
+/// below 0, so neither is d·w, and the bound holds for s = 1 as well: |d − w|² < c² + w². So one comparison per
+/// candidate, relative to the end of the displacement, is enough; in a dense system one candidate in twelve is left.
 class PackedTurns {
  public:
   PackedTurns(TurnView const& view, PackedGrid& grid, RadiusRange const& radii, double duration)
       : constants_(view, grid, radii, duration), grid_(grid) {}
 
-  /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
+  /// Returns whether the disk stays in the 3×3 block around its cell during its turn and meets only disks in the block.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
     double const displacement =
         constants_.room - constants_.cutoff.contact(constants_.view.disks[i].radius) - constants_.cutoff.rounding();
@@ -183,23 +182,21 @@ class PackedTurns {
            squared_speed * constants_.duration * constants_.duration <= displacement * displacement;
   }
 
-  /// A turn about to be taken: everything is known but what comes of it.
+  /// The candidates of a turn that has not been taken yet.
   struct Prepared {
-    std::uint64_t
-        near;  ///< bit slots·k + s is set where the disk in slot s of cell k around may be met, the last one its own
+    std::uint64_t near;  ///< bit slots·k + s is set where slot s of cell k around may be met; the last k is its own
     std::uint32_t disk;
     bool is_far_from_edge;
-    bool needs_more_blocks;  ///< a cell around has more disks than a block
+    bool needs_more_blocks;  ///< true where a cell around has more disks than a block holds
   };
 
-  /// The candidates that the turn of a disk that is_local() needs. They stay right while the disks of the 3×3 block
-  /// stay as they are, so those of disks three cells apart can be prepared together, which keeps the processor from
-  /// waiting for each.
+  /// Finds the candidates of a disk. Contract: is_local(). They stay valid while the disks of the 3×3 block stay as
+  /// they are, so disks three cells apart can be prepared together, which hides the time that memory takes.
   [[nodiscard]] Prepared prepare(std::size_t i) const { return prepare(i, grid_.block_of(i), grid_.slot_of(i)); }
-  /// Of a disk in this slot.
+  /// As prepare(i), for a disk known to be in this slot.
   [[nodiscard]] Prepared prepare(std::size_t i, PackedGrid::Block const& home, std::uint32_t slot) const {
     Around const around = around_of(home);
-    // A cell away from the edge means a displacement and a contact distance away.
+    // One cell is wider than displacement and contact distance, so a disk in an inner cell cannot get to the edge.
     bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < constants_.inner_columns &&
                                   static_cast<unsigned>(home.row - 1) < constants_.inner_rows;
     return {.near = find_near(i, home, slot, around),
@@ -227,18 +224,18 @@ class PackedTurns {
 
   static constexpr std::size_t largest_batch = 16;
 
-  /// So many rows and blocks behind the last turn of a batch are read too: they are of disks of the grid.
+  /// Number of rows and blocks behind the last turn of a batch that are read too; they must be valid.
   static constexpr std::size_t read_behind = 8;
 
-  /// The turns `first` … first + count − 1, up to largest_batch, of disks without a common neighbour, in their order.
-  /// Those that are not local do not take theirs. The same bits as one turn after the other, as many at a time as
-  /// target() allows.
+  /// Takes turns `first` … first + count − 1 in their order, but leaves turns that are not local to the caller.
+  /// Contract: no two disks have a common neighbour; count ≤ largest_batch. The bits are those of one turn after the
+  /// other.
   void take_batch(TurnsInOrder const& order, std::size_t first, std::size_t count) {
     static TakeBatch const kernel = batch_kernel(target());
     kernel(*this, order, first, count);
   }
 
-  /// The turn of any disk.
+  /// Takes the turn of disk i, however far it moves.
   void take_any(std::size_t i, Counters& counters) {
     double const distance =
         constants_.cutoff.of(constants_.view.disks[i].radius, squared_length(constants_.view.disks[i].velocity));
@@ -253,7 +250,7 @@ class PackedTurns {
 
  private:
   using Block = PackedGrid::Block;
-  /// The cells around that of a disk, row by row from below left, then its own.
+  /// The blocks of the cells around a disk's cell, row by row from below left, then of its own cell.
   using Around = std::array<Block const*, 9>;
   static constexpr std::size_t slots = PackedGrid::slots;
   static constexpr std::size_t own = TurnConstants::blocks_around;

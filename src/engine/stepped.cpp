@@ -52,8 +52,8 @@ void require_no_jumps(State const& some, DisksOverview const& all, double subste
   }
 }
 
-/// Pairs collide along the vector to the nearest image, which is the image that was hit as long as contact distance and
-/// sub-step together stay below half the box.
+/// Throws Error for a small periodic box. Pairs collide along the vector to the nearest image; it is the image that was
+/// hit as long as contact distance plus sub-step is less than half the box.
 void require_room_for_images(Box const& box, DisksOverview const& all, double substep) {
   if (!box.is_periodic() || all.count < 2) return;
   double const shorter = std::min(box.width(), box.height());
@@ -93,7 +93,7 @@ void throw_long_substep(std::uint64_t step, LongSubstep const& disk) {
 void require_room_for_turns(EngineSettings const& settings, State const& state) {
   DisksOverview const all = overview_of(state.agents);
   require_bounds(settings, all);
-  // A wall allows for nothing: a disk that slides along it out of the box would be halted at every step.
+  // No tolerance at walls: a disk that slides along a wall outside the box would be halted at every step.
   validate(state, {.overlap = rounding_of_contact(state)});
   require_short_ways(settings, state, all);
 }
@@ -113,7 +113,7 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
     if (settings.grid == GridKind::linked) return asked_for;
   }
   double const displacement = largest_speed(state.agents) * duration;
-  // A quarter more, since the fastest disk of the start does not stay the fastest.
+  // A quarter is added, since disks may become faster than the fastest at the start.
   if (settings.grid == GridKind::packed) return packed_layout(state.box, state.agents, 1.25 * displacement);
   double const cutoff = 2.0 * radius_range(state.agents).largest + displacement;
   return layout_for_cutoff(state.box, cutoff, state.agents.size());
@@ -122,14 +122,14 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
 namespace {
 
 std::string_view unused_because_of(EngineSettings const& settings, std::string_view setting) {
-  // The packed grid chooses its own cells.
+  // The packed grid chooses its own cells, so `cells` has no effect with it.
   if (setting == "cells") return settings.grid == GridKind::linked ? "" : "grid";
   return setting == "audit_every" || setting == "threads" ? "kind" : "";
 }
 
-/// Lists of few cells have many disks in each, lists of many cells many to look at.
+/// Returns the cost of a move: few cells have many disks in each, and many cells take long to visit.
 double cost_of_move(EngineSettings const& settings, State const& state) {
-  // Cells and candidates that a move looks at on a grid chosen from the sizes, and the rest of it in the same unit.
+  // Cells and candidates of a move on a grid chosen from the sizes, and the cost of the rest of it in the same unit.
   constexpr double usual_cells = 9.0;
   constexpr double usual_candidates = 9.0;
   constexpr double rest_of_move = 10.0;

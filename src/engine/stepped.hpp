@@ -10,42 +10,41 @@
 
 namespace gridlock {
 
-/// Throws Error for settings out of their bounds, no disks, a state that validate() refuses, a start in which a
-/// sub-step could jump over a disk, and a periodic box so small that the image a disk runs into need not be the nearest
-/// one.
+/// Throws Error for settings out of bounds, for a state without disks or refused by validate(), for a sub-step in which
+/// a disk could jump over another, and for a periodic box in which a disk could hit an image that is not the nearest.
 void require_room_for_turns(EngineSettings const& settings, State const& state);
 
-/// Throws Error for no disks.
+/// Throws Error if `count` is 0.
 void require_disks(std::uint64_t count);
 
-/// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
+/// Returns whether a sub-step is shorter than a contact distance, so that it cannot jump over a disk.
 inline bool is_short(double squared_displacement, double contact) { return squared_displacement < contact * contact; }
 
-/// The same for some of all disks, but for whether they overlap. The problems are those of the rows of all.
+/// As require_room_for_turns(), without overlaps, for a process with `some` of all disks and the problems of all rows.
 void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all,
                                RowProblems const& problems);
 
-/// Throws RunFailure: the disk of row i has become so fast that it could jump over another.
+/// Throws RunFailure for the disk of row i, which has become so fast that it could jump over another.
 [[noreturn]] void throw_long_substep(State const& state, std::size_t i, double displacement);
 
-/// A disk that could jump over another, whoever has it.
+/// A disk, of any process, that could jump over another.
 struct LongSubstep {
   Id id;
   double displacement;
-  double contact;  ///< with the smallest disk
+  double contact;  ///< contact distance with the smallest disk
 };
 [[noreturn]] void throw_long_substep(std::uint64_t step, LongSubstep const& disk);
 
-/// The cells of the engine `stepped`: for lists the k × k asked for, or the finest whose 3×3 block is enough for the
-/// start; for the packed grid see packed_layout().
+/// Returns the cells of the engine `stepped`. For lists these are the k × k cells of the settings, or the smallest
+/// cells whose 3×3 block is enough at the start; for the packed grid those of packed_layout().
 CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 
 EngineRecord stepped_record();
 
 class HotDisks;
 
-/// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference
-/// every faster version is measured against, or on the packed grid, which gives the same bits.
+/// The engine `stepped`: disks take turns in the order of their Ids, by the rule of the paper. It runs on the paper's
+/// linked lists, the reference for every faster version, or on the packed grid, with the same bits.
 ///
 /// Errors: those of require_room_for_turns(); RunFailure for a disk that becomes too fast for its sub-steps.
 class SteppedEngine final : public Engine {
@@ -60,7 +59,7 @@ class SteppedEngine final : public Engine {
   void advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const;
   void advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const;
   /// Calls take(i, squared_speed) for each disk in the order of its row, step after step until the stop condition
-  /// holds, and writes all of them back.
+  /// holds, then writes all disks back.
   /// Errors: RunFailure for a disk that has become so fast that a sub-step could jump over another.
   template <class TakeTurn>
   void take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,
@@ -68,7 +67,7 @@ class SteppedEngine final : public Engine {
 
   EngineSettings settings_;
   double duration_;
-  Box box_;  ///< the box layout_ was made for
+  Box box_;  ///< the box that layout_ was made for
   CellLayout layout_;
 };
 

@@ -15,10 +15,10 @@ namespace gridlock {
 
 namespace {
 
-constexpr double first_step = 0.1;                              // in mean diameters
-constexpr double min_step = 1e-12;                              // in mean diameters
-constexpr double wanted_acceptance = 0.4;                       // of displacements
-constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // their share accepted is known to 0.015
+constexpr double first_step = 0.1;         // largest displacement at the start, in mean diameters
+constexpr double min_step = 1e-12;         // least value of the largest displacement, in mean diameters
+constexpr double wanted_acceptance = 0.4;  // fraction of displacements accepted
+constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // the error of their accepted fraction is 0.015
 constexpr std::uint64_t max_stages = std::uint64_t{1} << 24;
 constexpr double enough_relaxation_times = 10.0;
 
@@ -70,11 +70,11 @@ void serialize_counts(Archive& archive, SwapCounts& counts) {
 struct SwapMonteCarlo::Progress {
   SwapSettings settings;
   std::uint64_t adjusting_sweeps = 0;
-  double diameter = 1.0;      ///< the mean
-  double longest_step = 1.0;  ///< beyond half the shorter side a disk would jump over more than its box
+  double diameter = 1.0;      ///< mean diameter
+  double longest_step = 1.0;  ///< half the shorter side: a longer displacement would cross the box more than once
   std::uint64_t sweep = 0;
-  double step = 1.0;     ///< in the unit of lengths
-  SwapCounts adjusting;  ///< since the last adjustment
+  double step = 1.0;     ///< largest displacement along x and along y
+  SwapCounts adjusting;  ///< counts since the last adjustment
   SwapCounts counts;
   Relaxation relaxation;
 

@@ -25,7 +25,7 @@ std::vector<std::uint32_t> all_tiles(Tiling const& tiling) {
   return tiles;
 }
 
-/// The turns of all disks of a state.
+/// Returns the object that takes the turns of all disks of a state.
 tiled::Steps steps_of(State const& state, tiled::TurnRule const& rule, CellLayout const& layout, Tiling const& tiling) {
   std::vector<std::uint32_t> const tiles = all_tiles(tiling);
   std::vector<std::uint32_t> const order =
@@ -36,7 +36,7 @@ tiled::Steps steps_of(State const& state, tiled::TurnRule const& rule, CellLayou
       HotDisks(state, order), rule, layout, tiling, {.end_column = layout.columns(), .end_row = layout.rows()}, tiles};
 }
 
-/// All disks take their turns. `for_each(parts, take)` calls take(part) for each, in any order or at once.
+/// Lets all disks take their turns. `for_each(parts, take)` calls take(part) for each part, in any order or at once.
 template <class ForEach>
 void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Counters& counters, ForEach for_each) {
   steps.begin_step();
@@ -45,7 +45,7 @@ void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Co
   }
   CountersOfStep of_step;
   for (tiled::TileResult& result : steps.results()) {
-    // In the order of tiles: a late disk may change the turn of the next one.
+    // Late disks go in the order of tiles, because one may change the turn of the next.
     for (std::uint32_t const i : result.not_local) steps.take_late(i, result);
     result.not_local.clear();
     of_step.add(result.counters);
@@ -54,7 +54,7 @@ void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Co
   of_step.add_to(counters);
 }
 
-/// Throws RunFailure where a disk has become too fast for its sub-steps.
+/// Throws RunFailure where a disk has become so fast that it could jump over another in a sub-step.
 void require_no_jumps(tiled::Steps const& steps, State const& state) {
   for (tiled::TileResult const& result : steps.results()) {
     if (result.too_fast) throw_long_substep(state, result.too_fast->row_in_state, result.too_fast->displacement);

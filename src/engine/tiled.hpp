@@ -12,13 +12,13 @@ namespace gridlock {
 
 EngineRecord tiled_record();
 
-/// The paper's rule, tile by tile, in a tile class by class of cells, in a cell in the order of the Ids (ClassOrder):
-/// the same turns as in `stepped` in another order, on any number of threads with the same bits.
+/// The engine `tiled`: turns by the rule of the paper, as in `stepped`, in another order (ClassOrder): tile by tile, in
+/// a tile class by class of cells, in a cell by Id. Any number of threads gives the same bits.
 ///
-/// Disks too fast for the ring of cells around their tile wait and take their turns one after the other at the end of
-/// the step. Errors: those of SteppedEngine.
-/// Memory: about 230 bytes for each disk during advance(); in a box of one or two rows of cells up to 350, for the grid
-/// has two empty rows.
+/// Disks too fast for the ring of cells around their tile take their turns one by one at the end of the step.
+/// Errors: those of SteppedEngine.
+/// Memory: about 230 bytes for each disk during advance(); up to 350 in a box of one or two rows of cells, because the
+/// grid has two empty rows.
 class TiledEngine final : public Engine {
  public:
   TiledEngine(EngineSettings const& settings, State const& state);
@@ -33,11 +33,11 @@ class TiledEngine final : public Engine {
 
   EngineSettings settings_;
   double duration_;
-  Box box_;  ///< the box layout_ was made for
+  Box box_;  ///< the box that layout_ was made for
   CellLayout layout_;
   ThreadPool thread_pool_;
   Tiling tiling_;
-  std::vector<Tiling::Round> rounds_;  ///< for this thread pool
+  std::vector<Tiling::Round> rounds_;  ///< rounds for the present thread pool
 };
 
 }  // namespace gridlock

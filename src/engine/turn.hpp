@@ -11,7 +11,7 @@
 
 namespace gridlock {
 
-/// Hot copy of one disk for the move loop: exactly one cache line.
+/// A copy of one disk for the loop over moves; it fills one cache line.
 struct alignas(64) DiskInTurn {
   Vector position;
   Vector velocity;
@@ -19,28 +19,28 @@ struct alignas(64) DiskInTurn {
   double mass;
   std::int32_t image_x;
   std::int32_t image_y;
-  std::uint32_t id_index;      ///< in the order of the Ids
-  std::uint32_t row_in_state;  ///< where it came from
+  std::uint32_t id_index;      ///< index in the order of the Ids
+  std::uint32_t row_in_state;  ///< row of the disk in the state
 };
 static_assert(sizeof(DiskInTurn) == 64);
 
-/// The disks and the constants one turn needs; borrowed for one advance().
+/// The disks and the constants that a turn needs, borrowed for one advance().
 struct TurnView {
   Box const& box;
   std::span<DiskInTurn> disks;
-  double substep;          ///< physical length of one sub-step
-  std::uint64_t substeps;  ///< sub-steps in a turn
+  double substep;          ///< duration of a sub-step
+  std::uint64_t substeps;  ///< number of sub-steps in a turn
   CollisionRule contact;
 };
 
-/// The overlapped disk nearest to a trial point, ties to the lower Id: a choice that no order of visits can change, so
-/// that the trajectory does not depend on the grid.
+/// The nearest disk that overlaps a trial point, ties to the lower Id. This choice does not depend on the order of
+/// visits, so the trajectory does not depend on the grid.
 class Partner {
  public:
   Partner(TurnView const& view, std::size_t turning, Vector trial)
       : view_(view), turning_(turning), radius_(view.disks[turning].radius), trial_(trial) {}
 
-  /// Looks at one candidate; the turning disk itself is no candidate.
+  /// Looks at one candidate; the moving disk itself is ignored.
   void consider(std::size_t candidate) {
     if (candidate == turning_) return;
     ++checks_;
@@ -68,7 +68,7 @@ class Partner {
   std::uint64_t checks_ = 0;
 };
 
-/// Turns back the velocity component that would carry `trial` through a wall; says whether there was one.
+/// Reverses the velocity component that would carry a disk through a wall at `trial`. Returns whether it hits a wall.
 inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& counters) {
   if (box.is_periodic()) return false;
   double const r = disk.radius;
@@ -86,9 +86,9 @@ inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& 
   return is_hit;
 }
 
-/// The elastic rule along b = r_j − r_i at the present positions:
+/// Applies the elastic rule along b = r_j − r_i at the present positions:
 ///     Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b,   Δv_j = +(2 m_i / (m_i + m_j)) (w·b / b²) b,   w = v_i − v_j,
-/// which reverses the normal part of the relative velocity in the centre-of-mass frame and keeps momentum and energy.
+/// It reverses the normal part of the relative velocity in the centre-of-mass frame and keeps momentum and energy.
 inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters& counters) {
   DiskInTurn& self = view.disks[i];
   DiskInTurn& other = view.disks[j];
@@ -106,18 +106,18 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
   counters.pair_virial -= self.mass * dot(b, change_self);
 }
 
-/// Whether a disk may come to an edge of the box in its turn. One that cannot is neither asked for walls nor wrapped.
+/// Whether a disk may get to an edge of the box in its turn. If it cannot, walls and wrapping are left out.
 enum class EdgeOfTurn { may_be_met, is_far };
 
-/// One disk's turn in one time step, the paper's rule: up to `substeps` trial moves; the first that would cross a wall
-/// or overlap a disk halts it for this step, and it bounces off what it met. The caller keeps the grid up to date.
+/// Takes one disk's turn in one time step by the rule of the paper: up to `substeps` trial moves. The first that would
+/// cross a wall or overlap a disk halts the disk for this step; it bounces off. The caller keeps the grid up to date.
 ///
 /// search(partner) must call partner.consider(j) for every disk j that could overlap the trial point; visiting more
 /// disks, or any order, gives the same bits.
 template <EdgeOfTurn edge = EdgeOfTurn::may_be_met, class Search>
 void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search search) {
   ++counters.moves;
-  // Kept out of memory until the turn is over, which saves an access to memory in every sub-step.
+  // The position stays in registers until the turn is over, which saves an access to memory in every sub-step.
   DiskInTurn& disk = view.disks[i];
   Vector here = disk.position;
   Vector const displacement = view.substep * disk.velocity;
@@ -139,7 +139,7 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
         ++counters.halted_moves;
         break;
       }
-      // Wrapping rounds, so it comes before the overlap check: what is checked is what is kept.
+      // Wrapping rounds, so it comes before the overlap check: the position that is kept must be the one checked.
       trial = view.box.wrap(trial, trial_crossed_x, trial_crossed_y);
     }
     Partner partner(view, i, trial);

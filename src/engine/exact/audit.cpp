@@ -10,18 +10,18 @@ namespace gridlock::exact {
 
 namespace {
 
-/// How far two disks may overlap, in diameters, before it is more than rounding.
+/// Largest overlap of two disks that counts as rounding, in diameters.
 constexpr double tolerance = 1e-12;
-/// All pairs are looked at up to this many disks.
+/// Largest number of disks for which an audit looks at all pairs.
 constexpr std::size_t max_disks_for_all_pairs = 2000;
 
-/// The centre-to-centre vector of a pair at a time of the epoch, before periodic images.
+/// The vector between the centres of a pair as a function of time in the epoch, without periodic images.
 struct RelativeFlight {
   Vector separation;
   Vector velocity;
 
   [[nodiscard]] Vector at(double time) const { return separation + time * velocity; }
-  /// When, from `now` to `end`, the squared distance is shortest beside that of contact, `sum` · scale.
+  /// The time between `now` and `end` at which squared distance minus squared contact distance is least.
   [[nodiscard]] double nearest(Vector image, double sum, Scale const& scale, double now, double end) const {
     double const growth = sum * scale.rate;
     double const a = squared_length(velocity) - growth * growth;
@@ -70,8 +70,8 @@ void Dynamics::audit_overlaps() const {
   }
 }
 
-/// Up to the earlier of the two disks' own events nobody looks at a pair again, so until then it must not overlap.
-/// Where the disks grow, all look again at the end of the epoch.
+/// Looks for missed events. No search looks at a pair again before the earlier of the two disks' own events, so until
+/// then the pair must not overlap. Disks that grow are all searched again at the end of the epoch.
 void Dynamics::audit_missed_events() const {
   double const last_image = box_.is_periodic() ? 1.0 : 0.0;
   double const last = is_growing() ? epoch_length_ : never;

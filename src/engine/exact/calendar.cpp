@@ -8,15 +8,15 @@ namespace gridlock::exact {
 
 namespace {
 
-/// At most, and at least half as many; void ones are some of them.
+/// Largest mean number of events in a bucket, void events included; it is at least half of this.
 constexpr std::uint64_t per_bucket = 24;
 constexpr std::uint64_t max_buckets = std::uint64_t{1} << 30;
-/// Whether an event falls into the open group decides how it is kept. Next events of few disks nearly all do where
-/// groups are large, those of many disks nearly never where groups are small, and a processor guesses either right.
+/// Whether an event falls into the open group decides how it is stored. With few disks and large groups nearly all next
+/// events do, with many disks and small groups nearly none: a processor guesses both cases right.
 constexpr std::uint64_t few_disks = 3000;
 constexpr std::uint32_t bits_of_large_group = 11;
 constexpr std::uint32_t bits_of_small_group = 6;
-/// More than that are sorted by comparing them two by two.
+/// Buckets with more events than this are sorted by comparisons, not by counting.
 constexpr std::size_t max_counted = 64;
 
 }  // namespace
@@ -24,7 +24,7 @@ constexpr std::size_t max_counted = 64;
 void Calendar::open(double length, std::uint64_t expected, std::uint64_t disks) {
   bucket_bits_ = disks <= few_disks ? bits_of_large_group : bits_of_small_group;
   bucket_mask_ = (1U << bucket_bits_) - 1U;
-  // A power of two of buckets in an epoch whose length is one, so that the bucket of a time is found without rounding.
+  // The number of buckets in an epoch is a power of two, so that the bucket of a time is found without rounding.
   std::uint64_t const buckets =
       std::bit_ceil(std::clamp<std::uint64_t>(expected / per_bucket, std::uint64_t{bucket_mask_} + 1, max_buckets));
   length_ = length;
@@ -32,8 +32,8 @@ void Calendar::open(double length, std::uint64_t expected, std::uint64_t disks) 
   made_ = 0;
   tails_.assign(buckets >> bucket_bits_, Tail{});
   bucket_heads_.assign(std::size_t{bucket_mask_} + 1, none);
-  // Room for each disk's event and two void ones, so that it never grows: growing would need it twice for a short time.
-  // Memory that is not used is not touched, and costs nothing.
+  // Memory is reserved for each disk's event and two void ones, because growing would need twice the memory for a
+  // moment. Reserved memory that is never written costs nothing.
   chunks_.reserve(3 * disks / chunk_size + tails_.size());
   free_chunks_.clear();
   chunks_.clear();
@@ -87,7 +87,7 @@ bool Calendar::open_next_bucket(MovingDisk const* disks) {
     std::uint32_t& head = bucket_heads_[open_bucket_ & bucket_mask_];
     for (std::uint32_t place = head; place != none; place = dealt_[place].next) {
       if (due_count_ == found_.size()) make_room_for_found();
-      // Whether an event is void is a coin toss, so it is overwritten rather than branched around.
+      // A void event is overwritten by the next: a branch would be guessed wrong half of the time.
       found_[due_count_] = dealt_[place];
       due_count_ += disks[dealt_[place].disk].event_time == dealt_[place].time ? 1 : 0;
     }
@@ -110,7 +110,7 @@ void Calendar::sort_due(MovingDisk const* disks) {
             [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); });
 }
 
-/// Puts each event at its place, which is how many are earlier. Says no where two have the same time.
+/// Sorts the events by the number of earlier events. Returns false where two have the same time.
 bool Calendar::sort_due() {
   std::array<double, max_counted> times;
   std::array<std::uint64_t, max_counted> places;
@@ -128,7 +128,7 @@ bool Calendar::sort_due() {
 
 bool Calendar::open_next_group() {
   if (open_group_ + 1 == tails_.size()) {
-    --open_bucket_;  // stay in the last bucket: asking again gives the same answer
+    --open_bucket_;  // stay in the last bucket, so that a later call finds the end again
     return false;
   }
   ++open_group_;

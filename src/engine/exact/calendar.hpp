@@ -14,7 +14,7 @@ namespace gridlock::exact {
 struct ScheduledEvent {
   double time;
   Index disk;
-  std::uint32_t next;  ///< place of the next event of the same bucket
+  std::uint32_t next;  ///< index of the next event of the same bucket
 };
 
 /// Calendar queue (R. Brown, Commun. ACM 31, 1220, 1988): the events of one epoch [0, length), handed out in the order
@@ -25,17 +25,17 @@ struct ScheduledEvent {
 ///     bucket                   ├┤                        the open bucket: sorted, a few events
 ///
 /// An event is written at the end of its group, dealt into buckets when the group opens, and sorted when its
-/// bucket opens: three sequential passes, no tree, no search and no removal. One that became void stays until its time
-/// and is dropped then, because its disk waits for another time.
-/// Events at or after the end of the epoch are not kept; whoever opens the next epoch makes them again.
+/// bucket opens: three sequential passes without a tree, a search or a removal. A void event stays until its time and
+/// is dropped then, because its disk waits for an event at another time.
+/// Events at or after the end of the epoch are not stored: they are predicted again when the next epoch opens.
 /// Cost: O(1) amortised while a bucket holds a few events.
 class Calendar {
  public:
-  /// Starts an empty epoch. `expected` is about how many events will be scheduled in it, `disks` how many disks make
-  /// them: numbers that change the cost, never the order.
+  /// Starts an empty epoch. `expected` is about the number of events that will be scheduled in it, `disks` the number
+  /// of disks. Both change the cost, never the order.
   void open(double length, std::uint64_t expected, std::uint64_t disks);
 
-  /// Schedules an event, not before the last one handed out.
+  /// Schedules an event. Contract: it is no earlier than the last event that next() returned.
   void add(double time, Index disk, MovingDisk const* disks) {
     if (!(time < length_)) return;
     ++made_;
@@ -49,7 +49,7 @@ class Calendar {
     }
   }
 
-  /// The next event without removing it, or nullptr at the end of the epoch. It may be void.
+  /// Returns the next event without removing it, or nullptr at the end of the epoch. The event may be void.
   ScheduledEvent const* next(MovingDisk const* disks) {
     for (;;) {
       bool const has_late = !late_.empty();
@@ -62,7 +62,7 @@ class Calendar {
     }
   }
 
-  /// Removes the event that next() pointed to.
+  /// Removes the event that next() returned.
   void pop(ScheduledEvent const* handed_out, MovingDisk const* disks) {
     if (cursor_ < due_count_ && handed_out == &due_[cursor_]) {
       ++cursor_;
@@ -71,15 +71,15 @@ class Calendar {
     }
   }
 
-  /// The disk of the event so many after the next one, as far as it is in the open bucket; else no_disk.
+  /// Returns the disk of the event `events` after the next one in the open bucket; no_disk where there is none.
   [[nodiscard]] Index disk_after_next(std::size_t events) const {
     return cursor_ + events < due_count_ ? due_[cursor_ + events].disk : no_disk;
   }
 
-  /// Which bucket of the epoch is open.
+  /// The index of the open bucket in the epoch.
   [[nodiscard]] std::uint32_t open_bucket() const { return open_bucket_; }
 
-  /// Calls visit(disk, time) for the events `ahead` buckets after the open one, as far as they are in this group.
+  /// Calls visit(disk, time) for each event of the bucket `ahead` after the open one, if it is in the same group.
   template <class Visit>
   void for_each_ahead(std::uint32_t ahead, Visit visit) const {
     std::uint32_t const bucket = open_bucket_ + ahead;
@@ -88,7 +88,7 @@ class Calendar {
     for (; place != none; place = dealt_[place].next) visit(dealt_[place].disk, dealt_[place].time);
   }
 
-  /// Events scheduled since open().
+  /// Number of events scheduled since open().
   [[nodiscard]] std::uint64_t made() const { return made_; }
 
  private:
@@ -120,8 +120,8 @@ class Calendar {
   bool open_next_group();
   std::uint32_t new_chunk(std::uint32_t next);
 
-  /// The newest chunk of a group, and how many events are in it; the older ones are full. The count is here
-  /// and not in the chunk, so that a new event touches one line of memory of its group.
+  /// The newest chunk of a group and the number of events in it; older chunks are full. The number is here and not in
+  /// the chunk, so that a new event touches one cache line of its group.
   struct Tail {
     std::uint32_t chunk = none;
     std::uint32_t count = chunk_size;
@@ -130,22 +130,22 @@ class Calendar {
   double length_ = 0.0;
   double buckets_per_time_ = 0.0;
   std::uint64_t made_ = 0;
-  std::uint32_t bucket_bits_ = 0;  // a group has so many buckets, as a power of two
-  std::uint32_t bucket_mask_ = 0;  // one less
+  std::uint32_t bucket_bits_ = 0;  // binary logarithm of the buckets in a group
+  std::uint32_t bucket_mask_ = 0;  // buckets in a group minus one
   std::uint32_t open_group_ = 0;
   std::uint32_t open_bucket_ = 0;
-  bool is_open_ = false;     // whether open_slice_ has been opened
-  std::vector<Tail> tails_;  // by group
+  bool is_open_ = false;     // whether the group open_group_ has been dealt into buckets
+  std::vector<Tail> tails_;  // one tail for each group
   LargeArray<Chunk> chunks_;
   std::vector<std::uint32_t> free_chunks_;
   std::vector<std::uint32_t> bucket_heads_;
   std::vector<ScheduledEvent> dealt_;
   CountEarlier count_earlier_ = count_earlier_kernel(target());
-  std::vector<ScheduledEvent> found_;  // in the open bucket, in no order
-  std::vector<ScheduledEvent> due_;    // the open bucket, sorted: the first due_count_, of which cursor_ is the next
+  std::vector<ScheduledEvent> found_;  // events of the open bucket, unsorted
+  std::vector<ScheduledEvent> due_;    // events of the open bucket, sorted: the first due_count_; cursor_ is the next
   std::size_t due_count_ = 0;
   std::size_t cursor_ = 0;
-  std::vector<ScheduledEvent> late_;  // a heap of those made for the open bucket after it was opened
+  std::vector<ScheduledEvent> late_;  // heap of the events scheduled for the open bucket after it was opened
 };
 
 }  // namespace gridlock::exact

@@ -1,6 +1,6 @@
 #pragma once
 
-// Shared by every predictor but the reference: the candidates of a disk by name.
+// The candidates of a disk by Index; every kernel but the reference kernel uses this file.
 
 #include <algorithm>
 #include <bit>
@@ -10,33 +10,32 @@
 
 namespace gridlock::exact {
 
-/// Where cells have more slots, because disks are so much smaller than the largest, all candidates are collected one by
-/// one.
+/// Largest number of slots per cell for which kernels read whole rows. Cells have more where disks are much smaller
+/// than the largest; then candidates are collected one by one.
 inline constexpr std::size_t slots_per_cell = 4;
-/// Candidates are looked at so many at a time, whatever the registers: few disks have more, so that processors guess
-/// well how often a loop turns.
+/// Candidates in a batch, for any width of register. Few disks have more, so processors guess the end of a loop right.
 inline constexpr std::size_t batch = 8;
-/// Those of nine full cells, rounded up.
+/// Largest number of candidates: nine full cells, rounded up to whole batches.
 inline constexpr std::size_t max_candidates = 40;
 
-/// The disks around a disk, moved together, and behind them `nobody` up to a full batch.
+/// The candidates of a disk, without gaps; the Index `nobody` fills the last batch.
 struct Candidates {
   alignas(64) Index disks[max_candidates + batch];
   std::size_t count;
 };
 
-// A disk that has just collided with another is none of its candidates, by name: what was just written, number by
-// number, would be read as a whole, and processors wait for that.
+// A disk that has just collided is excluded from its partner's candidates by Index, not by a mark in its record: a
+// record that was just written number by number and is read as a whole makes the processor wait.
 
-/// The first slot of the three rows of cells around a disk.
+/// Returns the first slot of the 3×3 block of cells around disk i.
 inline Index const* first_slot_around(PredictionInput const& s, Index i) {
   Cell const cell = s.cells[i];
   return s.slots + static_cast<std::size_t>(cell.row) * s.row_stride +
          static_cast<std::size_t>(cell.column) * s.capacity;
 }
 
-/// The first of `best` and the contacts with all that i may meet but for `apart`, however many: earliest_of(candidates,
-/// best) looks at a part of them.
+/// Returns the first event among `best` and the contacts of disk i with any number of candidates but `apart`.
+/// earliest_of(candidates, best) handles one batch of candidates after the other.
 template <class EarliestOf>
 Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Prediction best, EarliestOf earliest_of) {
   Candidates part;
@@ -57,7 +56,7 @@ Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Pred
     Index const* row = first_slot_around(s, i);
     for (int rows = 0; rows < 3; ++rows, row += s.row_stride) {
       for (Index const* cell = row; cell != row + 3 * s.capacity; cell += s.capacity) {
-        // The first slots of a cell are the ones in use.
+        // The used slots of a cell are the first ones.
         for (std::size_t k = 0; k < s.capacity && cell[k] != no_disk; ++k) consider(cell[k]);
       }
     }
@@ -66,8 +65,8 @@ Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Pred
   return best;
 }
 
-/// The first of `best` and the contacts with these disks that take place at the time `earliest`, in the lanes of
-/// `firsts`; ties go to the lower Id.
+/// Returns the first event among `best` and the contacts at time `earliest` in the lanes of `firsts`; ties go to the
+/// lower Id.
 inline Prediction earlier_of(Prediction const& best, double earliest, unsigned firsts, Index const* names,
                              MovingDisk const* disks) {
   if (((firsts & (firsts - 1U)) != 0) | (earliest == best.time)) [[unlikely]] {
@@ -79,8 +78,8 @@ inline Prediction earlier_of(Prediction const& best, double earliest, unsigned f
     }
     return first;
   }
-  // Which of the two is earlier is a coin toss: no branch may depend on it, or the processor could not begin with
-  // the next prediction meanwhile. Compilers do not make one of bits.
+  // A processor cannot guess which of the two is earlier, and after a wrong guess it would start the next prediction
+  // late. So no branch may depend on it; compilers make none of operations on bits.
   Index const other = names[std::countr_zero(firsts | 0x80U)];
   Index const is_other = 0U - static_cast<Index>(earliest < best.time);
   return {std::min(earliest, best.time), best.partner ^ ((best.partner ^ other) & is_other)};

@@ -10,14 +10,15 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Wider cells have fewer borders to cross. Cells of less than √2 diameters hold no more than four equal disks, and
-/// while there are so few in nine of them, one batch has all candidates of nearly every disk.
+/// Cell side in contact distances. Wide cells have fewer borders to cross; cells narrower than √2 diameters hold at
+/// most four equal disks. They are used while nine hold so few disks that one batch of candidates is usually enough.
 constexpr double side_of_wide_cells = 1.41;
 constexpr double max_candidates_in_wide_cells = 8.0;
 
 }  // namespace
 
-/// The cells of disks that have no lists. A cell must be as wide as the largest diameter at the end of the epoch.
+/// Lays new cells where disks have no lists and the cells have become too narrow: a cell must be at least as wide as
+/// the largest diameter at the end of the epoch.
 void Flight::make_room_in_cells(double time) {
   if (has_lists()) return;
   if (size_ == 0) {
@@ -37,14 +38,14 @@ void Flight::make_room_in_cells(double time) {
   lay_cells(layout, time);
 }
 
-/// In the mean.
+/// Mean number of disks in nine cells of this side.
 double Flight::disks_in_nine_cells(double side) const {
   return 9.0 * side * side * static_cast<double>(disks_in_box_) / box_.area();
 }
 
 CellLayout Flight::layout_for(double side) const { return layout_for_cutoff(box_, side, disks_in_box_); }
 
-/// Cells for disks of all sizes, without lists. Contract: all events are predicted anew.
+/// Lays cells for disks of all sizes, without lists. Contract: all events are predicted anew.
 void Flight::lay_cells(CellLayout const& layout, double time) {
   size_classes_.clear();
   size_classes_.push_back({largest_radius_, SlotGrid(layout, box_, reach_in_cells())});
@@ -55,9 +56,8 @@ void Flight::lay_cells(CellLayout const& layout, double time) {
   }
 }
 
-/// Cells for the places of disks with lists: where a large disk has many small neighbours, few cells hold them all, and
-/// a small disk looks for small ones in small cells. In each class the largest disk is at most twice as large as the
-/// smallest.
+/// Lays a grid of cells for each size class, for the places of disks with lists: a large disk finds its many small
+/// neighbours in few cells, a small disk in small cells. In a class the largest disk is at most twice the smallest.
 void Flight::lay_cells_by_size() {
   std::array<double, 64> largest{};
   auto const by_halves = [&](double radius) {
@@ -88,7 +88,7 @@ std::size_t Flight::class_of(Index i) const {
   return k;
 }
 
-/// Of the place where there is one, of the disk at that time where there is none.
+/// Returns the cell of a disk's place, or of its position at this time where there are no places.
 Cell Flight::cell_of(Index i, double time) const {
   SlotGrid const& grid = size_classes_[class_of(i)].grid;
   if (has_lists()) return grid.cell_of_image({lists_.places[i].x, lists_.places[i].y});
@@ -96,8 +96,7 @@ Cell Flight::cell_of(Index i, double time) const {
   return {grid.column_of(disk.x + disk.velocity_x * time), grid.row_of(disk.y + disk.velocity_y * time)};
 }
 
-/// Distance within which two disks without lists touch. Cells of disks that grow have just the room that they will
-/// need.
+/// The distance within which two disks without lists touch; infinite for growing disks, whose cells have no margins.
 double Flight::reach_in_cells() const {
   return is_growing() ? std::numeric_limits<double>::infinity() : 2.0 * largest_radius_;
 }
@@ -105,7 +104,7 @@ double Flight::reach_in_cells() const {
 void Flight::move_to_cell(Index i, Cell const& cell, double time) {
   if (cell == cells_[i]) return;
   SlotGrid& grid = grid_of(i);
-  // First, or two guests in one another's cells would send each other home for ever.
+  // The disk is erased first: else two guests, each in the other's cell, would send each other home without end.
   grid.erase(i, cells_[i].column, cells_[i].row);
   if (grid.largest_margin() > 0.0 && grid.is_full(cell.column, cell.row)) send_guests_home(cell, time);
   cells_[i] = cell;
@@ -113,8 +112,8 @@ void Flight::move_to_cell(Index i, Cell const& cell, double time) {
   if (prediction_input_.slots != size_classes_.front().grid.slots()) refresh_prediction_input();
 }
 
-/// Disks that belong to the cell and have left it may be too many for its slots, which those that are in it never are
-/// where all disks are equal. Of each guest the next event was that of this cell, and is predicted anew.
+/// Moves guests of a full cell, which have left it but still belong to it, to their own cells; the other disks always
+/// find slots if all disks are equal. A guest's next event was the end of its stay, so it is predicted anew.
 void Flight::send_guests_home(Cell const& cell, double time) {
   SlotGrid const& grid = size_classes_.front().grid;
   Index const* const slots = grid.slots_of(cell.column, cell.row);

@@ -1,14 +1,14 @@
 #include "engine/exact/count_earlier.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
-// of Highway are used; target() chooses which of the kernels is called. Registers of SVE have no size.
+// This file is written once with Google Highway and compiled once for every target below, because it includes itself.
+// It uses only headers of Highway; target() chooses the kernel. SVE is left out: its registers have no fixed size.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/exact/count_earlier.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-// The plain C++ below is as good as Highway's one lane.
+// Without vector instructions the plain C++ below is as fast as Highway with one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
@@ -34,7 +34,7 @@ void count_earlier(double const* times, std::size_t batches, std::uint64_t* earl
     for (std::size_t j = 0; j < end; ++j) {
       auto const other = hn::Set(tag, times[j]);
       for (std::size_t r = 0; r < registers; ++r) {
-        // True is −1.
+        // A true lane is −1, so subtracting it counts.
         count[r] = hn::Sub(count[r], hn::BitCast(counts, hn::VecFromMask(tag, hn::Lt(other, mine[r]))));
       }
     }
@@ -56,7 +56,7 @@ namespace gridlock::exact {
 
 namespace {
 
-/// In loops of fixed length, which compilers turn into instructions for some at once.
+/// Counts by loops of fixed length, which compilers turn into vector instructions.
 void count_earlier_plain(double const* times, std::size_t batches, std::uint64_t* earlier) {
   std::size_t const end = batches * times_per_batch;
   for (std::size_t k = 0; k < end; ++k) {

@@ -7,12 +7,11 @@
 
 namespace gridlock::exact {
 
-/// Times are compared so many at once, whatever the registers.
+/// Times in a batch, for any width of register.
 inline constexpr std::size_t times_per_batch = 8;
 
-/// For each time how many of all are earlier, which is its place in their order where no two are the same. Nothing
-/// branches on a comparison: its outcome is a coin toss, and a processor that guesses wrong loses more than some
-/// comparisons too many.
+/// Counts for each time how many times are earlier: its index in their order where no two are equal. Nothing branches
+/// on a comparison, because a processor cannot guess its outcome and a wrong guess costs more than a few comparisons.
 /// Contract: `batches` full batches, filled up with infinity.
 using CountEarlier = void (*)(double const* times, std::size_t batches, std::uint64_t* earlier);
 

@@ -12,20 +12,19 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
+/// Epochs after which disks are sorted in memory by cell again; a disk stays near its cell for many collisions.
 constexpr std::uint64_t epochs_per_sort = 8;
 
-/// Epochs become longer while disks are hit less often than the first, each on average, and shorter where they are hit
-/// more often than the second: predicting every event anew costs little, and the calendar stays small.
+/// An epoch is doubled while disks have fewer hits in it than `few_hits_in_epoch`, on average, and halved above
+/// `many_hits_in_epoch`: then predicting all events anew costs little, and the calendar stays small.
 constexpr std::uint64_t few_hits_in_epoch = 24;
 constexpr std::uint64_t many_hits_in_epoch = 64;
-/// Where disks come together so quickly that an epoch has more, it is cut.
+/// An epoch ends early at this number of hits for each disk, where disks come together quickly.
 constexpr std::uint64_t max_hits_in_epoch = 1024;
 
-/// In one epoch a disk of the root mean square speed crosses no more than so many of the largest diameters or, in a
-/// dilute gas, of the mean distances between disks: paths are computed from the zero of time, and are rounded the more
-/// the longer they are. Fewer where some disks are more than four times as fast as others, because they are light, or
-/// are small and thus touch at a small distance.
+/// In one epoch a disk of the root mean square speed crosses at most this many largest diameters or, in a dilute gas,
+/// mean distances between disks: long paths have larger rounding errors. The limits are lower where some disks are more
+/// than `moderate_speed` times as fast as others, or are small and touch at small distances.
 constexpr double max_diameters_in_epoch = 16.0;
 constexpr double max_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;
@@ -69,7 +68,7 @@ void Dynamics::read_disks(State const& state) {
   bool const is_mixture = size_ > 0 && !(are_all_equal(radius) && are_all_equal(mass));
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
-  double mean_mass = 0.0;  // in the order of the Ids
+  double mean_mass = 0.0;  // summed in the order of the Ids
   for (std::uint32_t id_index = 0; id_index < size_; ++id_index) {
     std::uint32_t const row = rows[id_index];
     Vector const p = position(disks, row);
@@ -110,7 +109,7 @@ void Dynamics::read_disks(State const& state) {
   if (!std::ranges::is_sorted(rows)) row_of_ = std::move(rows);
 }
 
-/// From nothing but the motion, in the order of the Ids.
+/// Returns the longest epoch allowed. It depends on the motion alone, summed in the order of the Ids.
 double Dynamics::longest_epoch() const {
   double squared_speeds = 0.0;
   for (Index const i : disks_by_id_index()) {
@@ -129,7 +128,7 @@ void Dynamics::choose_epoch() {
 
 namespace {
 
-/// Counts what all disks do.
+/// Counts the events of all disks.
 struct Observer {
   Counters& counters;
 
@@ -149,7 +148,7 @@ struct Observer {
 
 bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
                    std::function<bool()> const& should_continue) {
-  if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
+  if (epoch_length_ == 0.0) return true;  // no disk moves, so no event will come
   auto const has_enough = [&] { return counters.pair_collisions >= pair_collisions; };
   for (;;) {
     End const end = strips_ != nullptr ? run_shared(elapsed, pair_collisions, audit_every, counters, should_continue)
@@ -192,7 +191,7 @@ Dynamics::End Dynamics::run_until(TimeToStop time_to_stop, HasEnough has_enough,
       audit();
       ++audits_;
     }
-    // A count that outlives interruptions, so that the moments do not depend on them.
+    // `moves` survives interruptions, so the callback is asked at the same events in every run.
     bool const is_look_due = counters.moves % events_per_look == 0;
     if (is_look_due) require_time_to_pass();
     if (!grows && hits_ - hits_before_epoch_ > max_hits_in_epoch * size_) [[unlikely]]
@@ -202,7 +201,7 @@ Dynamics::End Dynamics::run_until(TimeToStop time_to_stop, HasEnough has_enough,
   return End::early;
 }
 
-/// On several threads, where that pays and may be.
+/// Begins the next epoch, on several threads where `may_share` allows it and it is faster.
 void Dynamics::end_epoch(bool may_share) {
   std::uint64_t const hits = hits_ - hits_before_epoch_;
   double const hits_per_time = static_cast<double>(hits) / (static_cast<double>(size_) * epoch_length_);
@@ -217,10 +216,10 @@ void Dynamics::end_epoch(bool may_share) {
   begin_epoch(epoch_length_, length, 1.0, may_share ? hits_per_time : 0.0);
 }
 
-/// Continues with epochs of few hits.
+/// Ends the epoch now and continues with epochs of few hits.
 void Dynamics::cut_epoch() {
   double const length = power_of_two_below(now_ * static_cast<double>(few_hits_in_epoch) / max_hits_in_epoch);
-  if (!(length > 0.0)) return;  // no time has passed at all
+  if (!(length > 0.0)) return;  // no time has passed since the epoch began
   begin_epoch(now_, length);
 }
 
@@ -276,7 +275,7 @@ void Dynamics::write_at(double t, double scale, State& state) const {
     int crossed_y = 0;
     Vector p = box_.wrap({disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t}, crossed_x, crossed_y);
     if (!box_.is_periodic()) {
-      // A disk at a wall may be out of the box by a rounding error that its path never sees.
+      // A disk at a wall may be outside the box by a rounding error.
       p.x = std::clamp(p.x, radius[row], box_.width() - radius[row]);
       p.y = std::clamp(p.y, radius[row], box_.height() - radius[row]);
     }

@@ -9,27 +9,27 @@
 
 namespace gridlock::exact {
 
-/// A distance that rounding leaves open, as part of σ².
+/// The rounding error of a squared distance, relative to σ².
 inline constexpr double rounding_of_square = std::numeric_limits<double>::epsilon();
 
-/// How long two disks that do not approach each other fly until growth has closed the gap; A < 0, b ≥ 0. The roots of
-/// disks that touch but for rounding may not exist: they get a time in which they overlap by no more than rounding, and
-/// never none, so that time passes.
+/// Returns the time until growth closes the gap between two disks that do not approach each other; A < 0, b ≥ 0. For
+/// disks that touch up to rounding the equation may have no root: the time returned is then positive, so that time
+/// passes, and the overlap is no larger than rounding.
 inline double wait_for_growth(double a, double b, double c, double squared_contact) {
   double const gap = std::max(std::abs(c), rounding_of_square * squared_contact);
   return (b + std::sqrt(b * b - a * gap)) / -a;
 }
 
-/// By how much a coordinate of a separation is to be moved to be the nearest image.
+/// Returns the shift of a coordinate of a separation that leads to the nearest image.
 inline double shift_to_nearest(double d, double side) {
   double const down = d > 0.5 * side ? -side : 0.0;
   return d < -0.5 * side ? side : down;
 }
 
-/// The candidate with the earliest collision so far: the definition of what every kernel finds.
+/// The candidate with the earliest collision so far. It defines the result that every kernel must find.
 class EarliestContact {
  public:
-  /// Disk `apart` has just collided with i; no_disk where there is none.
+  /// Disk `apart` has just collided with disk i; it is no_disk where no disk has.
   EarliestContact(PredictionInput const& s, Index i, double now, Index apart, Prediction best)
       : s_(s), self_(s.disks[i]), now_(now), apart_(apart), radius_(s.radius_of(i)), best_(best) {}
 
@@ -70,7 +70,7 @@ class EarliestContact {
     if (time < best_.time || (is_tie && other.id_index < s_.disks[best_.partner].id_index)) best_ = {time, j};
   }
 
-  /// Looks at the image of disk j that is the nearest now.
+  /// Looks at the image of disk j that is nearest at time `now`.
   void consider_nearest_image(Index j) {
     MovingDisk const& other = s_.disks[j];
     double const d_x = (other.x - self_.x) + (other.velocity_x - self_.velocity_x) * now_;
@@ -90,8 +90,8 @@ class EarliestContact {
   Prediction best_;
 };
 
-/// The first of `best` and the contacts with these disks, some of which part more slowly than they grow: rare, and
-/// looked at one by one.
+/// Returns the first event among `best` and the contacts with these disks, some of which move apart more slowly than
+/// they grow. That is rare, so the disks are looked at one by one.
 inline Prediction with_slow_ones(PredictionInput const& s, Index i, double now, Index const* names, std::size_t count,
                                  Prediction best) {
   EarliestContact earliest(s, i, now, no_disk, best);
@@ -99,7 +99,8 @@ inline Prediction with_slow_ones(PredictionInput const& s, Index i, double now, 
   return earliest.best();
 }
 
-/// The disk that i has just collided with touches it again before another event only where growth overtakes the two.
+/// Adds the contact with `apart`, the disk that i has just collided with. The two touch again before another event only
+/// where they grow faster than they part.
 inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now, Index apart, Prediction best) {
   MovingDisk const& self = s.disks[i];
   MovingDisk const& other = s.disks[apart];

@@ -11,25 +11,24 @@
 
 namespace gridlock::exact {
 
-/// Asks for the memory of events to come, a little with each event handled, so that memory is busy while the processor
+/// Prefetches the memory of coming events, a little with each event handled, so that memory works while the processor
 /// computes.
 ///
-/// Events enter in about the order in which they are due, and pass four stations: what one station
-/// asked for has arrived when the event reaches the next.
+/// Events enter roughly in the order of their times and pass four stations. Memory that one station prefetches has
+/// arrived when the event reaches the next station.
 ///
 ///     entered → the disk → its partner → the cells around the two → the disks in them
 ///                 12           8                   4                       0
 ///
-/// Four in ten events turn out void once their disk has arrived, and go no further.
+/// Four in ten events are void by the time their disk has arrived; they go no further.
 class FetchPipeline {
  public:
   void clear() { entered_ = taken_ = 0; }
 
-  /// Takes in an event that is due in a while.
+  /// Adds an event that will be due soon.
   void enter(Index disk, double time) { waiting_[entered_++ % waiting_.size()] = {time, disk}; }
 
-  /// Moves every event on by one place.
-  /// grid_of(i) is the grid with the cells of disk i.
+  /// Moves every event on by one position; grid_of(i) is the grid that holds disk i.
   template <class GridOf>
   void step(PredictionInput const& s, GridOf const& grid_of, std::size_t last_disk) {
     if (taken_ == entered_) return;
@@ -40,16 +39,16 @@ class FetchPipeline {
     ++taken_;
   }
 
-  /// Events that have entered and have not been asked for.
+  /// Number of events that have entered and whose disk has not been prefetched.
   [[nodiscard]] std::uint64_t waiting() const { return entered_ - taken_; }
 
  private:
-  /// The cells around a disk and the partner it is to meet; none for a void event.
+  /// An event in the pipeline: its partner, and the cells around disk and partner; a void event has no cells.
   struct Entry {
     double time;
     Index disk;
     Index partner;
-    bool looks_at_cells;  ///< and not at lists of neighbours alone
+    bool looks_at_cells;  ///< false where it looks at lists of neighbours alone
     std::int32_t column;
     std::int32_t row;
     std::int32_t columns;
@@ -58,7 +57,7 @@ class FetchPipeline {
 
   [[nodiscard]] Entry& at(std::uint64_t places_ago) { return waiting_[(taken_ - places_ago) % waiting_.size()]; }
 
-  /// A disk and what of it lies elsewhere.
+  /// Prefetches a disk's record and the arrays that belong to it.
   static void fetch(PredictionInput const& s, Index disk) {
     prefetch(&s.disks[disk]);
     prefetch(&s.cells[disk]);
@@ -89,7 +88,7 @@ class FetchPipeline {
     Cell const partner = s.cells[entry.partner];
     std::int32_t const columns_apart = partner.column - disk.column;
     std::int32_t const rows_apart = partner.row - disk.row;
-    // Disks across the edge of a periodic box come when they are needed.
+    // Cells across the edge of a periodic box are not prefetched.
     std::int32_t const across = std::abs(columns_apart) > 1 ? 0 : columns_apart;
     std::int32_t const up = std::abs(rows_apart) > 1 ? 0 : rows_apart;
     entry.column = disk.column - 1 + std::min(across, 0);
@@ -97,7 +96,7 @@ class FetchPipeline {
     entry.columns = 3 + std::abs(across);
     entry.rows = 3 + std::abs(up);
     Index const* run = grid.slots_of(entry.column, entry.row);
-    // Wide registers read a slot or four more than the cells have.
+    // Wide registers read up to four slots behind the last cell.
     std::size_t const last = static_cast<std::size_t>(entry.columns + 1) * grid.capacity() - 1;
     for (std::int32_t row = 0; row < entry.rows; ++row, run += grid.row_stride()) {
       prefetch(run);
@@ -106,7 +105,7 @@ class FetchPipeline {
   }
   static void fetch_neighbours(PredictionInput const& s, Entry const& entry) {
     for (Index const i : {entry.disk, entry.partner}) {
-      // Few lists have more; the names behind the last are those of the spare disk.
+      // Few lists have more than eight neighbours; unused entries name the spare disk.
       for (std::uint32_t k = 0; k < 8; ++k) {
         Index const disk = s.neighbours[i].disks[k];
         prefetch(&s.disks[disk]);
@@ -124,8 +123,8 @@ class FetchPipeline {
     for (std::int32_t row = 0; row < entry.rows; ++row, run += grid.row_stride()) {
       Index const* cell = run;
       for (std::int32_t column = 0; column < entry.columns; ++column, cell += grid.capacity()) {
-        // Few cells hold more than two disks. An empty slot asks for the spare disk at the end, which is always there:
-        // cheaper than a branch.
+        // Few cells hold more than two disks. For an empty slot the spare disk at the end is prefetched, which always
+        // exists: that is cheaper than a branch.
         for (std::size_t k = 0; k < 2; ++k) {
           std::size_t const disk = std::min<std::size_t>(cell[k], last_disk);
           if (s.neighbours == nullptr) {

@@ -11,13 +11,12 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Disks of no more than so many bytes stay in the first cache, with what belongs to them, by themselves.
+/// Largest size in bytes of the records of all disks that stay in the first cache without prefetching.
 constexpr std::size_t largest_in_first_cache = std::size_t{3} << 16;
-/// Of no more than so many, with what belongs to them, a processor finds the next ones in the second cache or the third
-/// while it computes.
+/// Largest size in bytes of disks, cells and lists in the second or third cache, prefetched shortly before an event.
 constexpr std::size_t largest_found_in_time = std::size_t{5} << 20;
 
-/// Applies a permutation, element i going to place new_place[i], without a second array.
+/// Applies a permutation in place: element i moves to index new_place[i].
 template <class Array>
 void permute(Array& values, std::vector<Index> new_place) {
   for (Index i = 0; i < new_place.size(); ++i) {
@@ -63,8 +62,8 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   pipeline_.clear();
 }
 
-/// At a time when none waits for an event, whatever the order of the disks: of two that touch first each waits for it,
-/// and the first of the two events is that of both.
+/// Predicts the event of every disk. No disk may wait for an event yet; their order does not matter. Of two disks that
+/// touch first, each predicts the collision, and the first of the two events serves both.
 void Flight::predict_all(double time) {
   LargeArray<double> times(size_);
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
@@ -109,7 +108,7 @@ void Flight::open_calendar() {
   for (Index i = 0; i < size_; ++i) calendar_.add(disks_[i].event_time, i, disks_.data());
 }
 
-/// Contract: it is known whether there are lists.
+/// Chooses how far ahead memory is prefetched. Contract: it is decided whether there are lists.
 void Flight::choose_fetching() {
   std::size_t const of_lists = has_lists() ? sizeof(Neighbours) + sizeof(Place) : 0;
   std::size_t const of_mixture = radius_.empty() ? 0 : 2 * sizeof(double);
@@ -119,11 +118,11 @@ void Flight::choose_fetching() {
                                                                    : Fetching::far;
 }
 
-/// Puts disks of neighbouring cells next to one another in memory, so that a prediction finds its candidates in few
-/// cache lines and pages. The trajectory does not depend on it.
+/// Sorts disks by cell, so that a prediction finds its candidates in few cache lines and pages. The trajectory does not
+/// depend on the order.
 /// Contract: all events are predicted anew.
 void Flight::sort_disks_by_cell(double time) {
-  // The smallest cells, for disks of all sizes.
+  // The last grid has the smallest cells; it sorts disks of all sizes.
   SlotGrid const& grid = size_classes_.back().grid;
   auto const columns = static_cast<std::size_t>(grid.columns());
   std::vector<Index> begin_of_cell(columns * static_cast<std::size_t>(grid.rows()) + 1, 0);
@@ -144,12 +143,11 @@ void Flight::sort_disks_by_cell(double time) {
   permute(image_, new_name);
   permute(cells_, new_name);
   if (has_lists()) permute(lists_.places, new_name);
-  permute(disks_, std::move(new_name));  // the last may use it up
+  permute(disks_, std::move(new_name));  // the last use of new_name
   if (has_lists()) find_all_neighbours();
 }
 
-/// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one
-/// handled.
+/// Adds the disks of a coming bucket to the pipeline and moves it on twice for each event handled.
 void Flight::fetch_far() {
   constexpr std::uint32_t buckets_ahead = 2;
   constexpr std::uint64_t max_waiting = 48;
@@ -167,11 +165,11 @@ void Flight::fetch_far() {
   } while (pipeline_.waiting() > max_waiting);
 }
 
-/// Asks for what the next events but one to four need. Of disks around, only those on lists: in cells so many may be
-/// that they would keep one another out.
+/// Prefetches the memory of the next events, one to four ahead. Disks around are prefetched only from lists: cells may
+/// hold so many that they would evict each other from the cache.
 void Flight::fetch_near() {
   PredictionInput const& s = prediction_input_;
-  // For a border the last disk is asked for, which is cheaper than a branch.
+  // A border has no partner: the last disk is prefetched instead of it, which is cheaper than a branch.
   auto const with_partner = [this](Index i) {
     return std::array{i, std::min(disks_[i].partner, static_cast<Index>(size_ - 1))};
   };
@@ -212,8 +210,8 @@ void Flight::cross_into_next_cell(Index i, Side side) {
   move_to_cell(i, cell, now_);
 }
 
-/// A disk that leaves a periodic box goes on with another coordinate, which is rounded anew: as if it had been hit,
-/// events predicted before are void, so that it does not matter when others looked at it.
+/// Moves a disk across the edge of a periodic box. Its new coordinate is rounded, so events predicted before are made
+/// void, as by a hit: the trajectory then does not depend on when other disks predicted theirs.
 void Flight::cross_edge(Index i, Side side) {
   MovingDisk& disk = disks_[i];
   std::int32_t const across = side == Side::right || side == Side::top ? 1 : -1;

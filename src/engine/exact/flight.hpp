@@ -19,42 +19,40 @@
 
 namespace gridlock::exact {
 
-/// Whether disks have lists of neighbours, or look at the cells around them; nothing but the cost depends on it.
+/// Whether disks have lists of neighbours or search the cells around them; it changes nothing but the cost.
 enum class Lists {
-  where_they_pay,  ///< in dense systems and in mixtures
+  where_they_pay,  ///< where lists are faster: in dense systems and in mixtures
   always,
   not_at_all,
 };
 
-/// Records of events to come are asked for, so that they are in the first cache when they are due.
+/// How far ahead records of coming events are prefetched, so that they are in the first cache when they are due.
 enum class Fetching {
-  nothing,  ///< all is there
-  near,     ///< all is in the second cache
-  far,      ///< it is in memory
+  nothing,  ///< all disks fit into the first cache
+  near,     ///< all disks are in the second or third cache
+  far,      ///< disks are in main memory
 };
 
-/// Disks of like size, in a grid of cells as wide as the largest of them needs.
+/// Disks of similar size, in a grid whose cells are as wide as the largest needs.
 struct SizeClass {
   double largest_radius;
   SlotGrid grid;
 };
 
-/// How often a disk has left a periodic box, and on which side.
+/// Signed number of times that a disk has crossed a periodic box in x and y.
 struct Image {
   std::int32_t x;
   std::int32_t y;
 };
 
-/// Hard disks in free flight from event to event, within one epoch: all of a system, or those of a strip of it.
-///
-/// It finds the next event, and handles it; which epochs there are, and who counts what happens, is left to those who
-/// fly.
+/// Hard disks in free flight from event to event within one epoch: all disks of a system, or those of a strip of it.
+/// The class finds and handles the next event; derived classes choose the epochs and count the events.
 class Flight {
  public:
   /// The time of the last event handled, in this epoch.
   [[nodiscard]] double now() const { return now_; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The disks as they are, for tests that damage them.
+  /// The disks, for tests that damage them.
   [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
   /// The memory that predictions read, for tests that compare implementations.
   [[nodiscard]] PredictionInput const& prediction_input() const { return prediction_input_; }
@@ -68,7 +66,7 @@ class Flight {
   Flight(Flight const&) = default;
   Flight& operator=(Flight const&) = default;
 
-  /// Becomes a part of the whole: these disks, with everything but cells, lists and events.
+  /// Takes over these disks of `whole` with their properties, but not its cells, lists and events.
   void take_part(Flight const& whole, std::span<Index const> disks);
   void predict_all(double time);
   void sort_disks_by_cell(double time);
@@ -76,7 +74,7 @@ class Flight {
   void open_calendar();
   [[nodiscard]] std::vector<Index> disks_by_id_index() const;
 
-  /// The next event that is still kept; nullptr where this epoch has none left.
+  /// Returns the next valid event of this epoch, or nullptr where there is none.
   ScheduledEvent const* next_event() {
     while (ScheduledEvent const* const next = calendar_.next(disks_.data())) {
       if (disks_[next->disk].event_time == next->time) return next;
@@ -84,7 +82,7 @@ class Flight {
     }
     return nullptr;
   }
-  /// Takes the next event off the calendar; it is the last one then.
+  /// Removes the next event from the calendar; its time becomes the present time.
   ScheduledEvent take(ScheduledEvent const* next) {
     ScheduledEvent const due = *next;
     calendar_.pop(next, disks_.data());
@@ -92,7 +90,7 @@ class Flight {
     fetch_for_events_to_come();
     return due;
   }
-  /// Handles the event that disk i waits for, now. The observer is told what happened to whom:
+  /// Handles the event of disk i, which is due now. The observer is told of it by one of
   ///     pair_collided(i, j, virial)   wall_hit(i, side, impulse)   border_reached(i)
   template <bool grows, class Observer>
   void handle(Index i, Observer& observer);
@@ -111,7 +109,7 @@ class Flight {
 
   void choose_fetching();
 
-  // Cells: cells.cpp.
+  // Cells, in cells.cpp:
   void make_room_in_cells(double time);
   void lay_cells(CellLayout const& layout, double time);
   void lay_cells_by_size();
@@ -126,7 +124,7 @@ class Flight {
   template <class Visit>
   void for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const;
 
-  // Lists of neighbours: lists.cpp.
+  // Lists of neighbours, in lists.cpp:
   void renew_lists(double time);
   void end_lists();
   [[nodiscard]] bool wants_lists() const;
@@ -142,15 +140,15 @@ class Flight {
 
   Box box_;
   std::size_t size_ = 0;
-  LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
+  LargeArray<MovingDisk> disks_;  // disks, and behind them the spare disk, which no prediction ever chooses
   LargeArray<Cell> cells_;
-  std::vector<SizeClass> size_classes_;  // the largest first; one of all disks where there are no lists
+  std::vector<SizeClass> size_classes_;  // the largest disks first; a single class where there are no lists
   Calendar calendar_;
   PredictionInput prediction_input_{};
   Predictor predictor_{};
 
-  // Empty while all disks are equal.
-  std::vector<double> radius_;  // and, as of disks_, one more behind them: predictions read it
+  // These arrays are empty while all disks are equal.
+  std::vector<double> radius_;  // radii, and behind them that of the spare disk: predictions read it
   std::vector<double> mass_;
   double equal_radius_ = 0.0;
   double equal_mass_ = 0.0;
@@ -160,35 +158,35 @@ class Flight {
   Fetching fetching_ = Fetching::nothing;
   std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
-  double now_ = 0.0;           // time of the last event, in this epoch
-  double epoch_length_ = 0.0;  // 0 when nothing moves
+  double now_ = 0.0;           // time of the last event in this epoch
+  double epoch_length_ = 0.0;  // 0 when no disk moves
   double longest_epoch_ = 0.0;
   std::uint64_t expected_events_ = 0;
   std::uint64_t hits_ = 0;
 
-  // Of the whole system.
+  // Numbers of the whole system:
   std::size_t disks_in_box_ = 0;
   double size_of_cells_ = 1.0;
   double smallest_radius_ = 0.0;
   double largest_radius_ = 0.0;
-  double mean_squared_radius_ = 0.0;  // added up in the order of the Ids
+  double mean_squared_radius_ = 0.0;  // summed in the order of the Ids
 
   struct ListsOfNeighbours {
     Lists wish = Lists::where_they_pay;
-    LargeArray<Neighbours> neighbours;  // empty while cells are looked at
+    LargeArray<Neighbours> neighbours;  // empty while cells are searched
     std::vector<LongList> long_lists;
-    std::vector<Index> unused;  // of the long lists
+    std::vector<Index> unused;  // indices of long lists that are free
     LargeArray<Place> places;
-    double room = 0.0;                   // around the places
-    std::vector<Index> around, to_tell;  // while neighbours are looked for
-    double max_scale = 1.0;              // of the radii, up to which they are good
+    double room = 0.0;                   // largest distance from a place in x and in y
+    std::vector<Index> around, to_tell;  // scratch buffers of the search
+    double max_scale = 1.0;              // largest scale of the radii for which the lists are valid
   };
   ListsOfNeighbours lists_;
   NearPlaces near_places_ = near_places_for(target());
 
   struct Growth {
     Scale scale;
-    double measured_time = 0.0;  // up to the start of the epoch
+    double measured_time = 0.0;  // time up to the start of the epoch
     double measured_virial = 0.0;
   };
   Growth growth_;
@@ -220,7 +218,7 @@ void Flight::handle(Index i, Observer& observer) {
   } else if (disks_[disk.partner].collision_count == disk.partner_collision_count) {
     Index const j = disk.partner;
     collide(i, j, observer);
-    // Both predictions before either is written down, so that the processor works on the two at once.
+    // Both predictions are made before either is stored, so that the processor works on the two at once.
     PairPrediction const next = predictor_.pair(prediction_input_, i, j, now_);
     schedule(i, next.of_i);
     schedule(j, next.of_j);
@@ -234,13 +232,13 @@ inline void Flight::schedule(Index i, Prediction const& next) {
   disk.event_time = next.time;
   disk.partner = next.partner;
   disk.partner_collision_count =
-      disks_[std::min<std::size_t>(next.partner, size_)].collision_count;  // of the spare disk for a border
+      disks_[std::min<std::size_t>(next.partner, size_)].collision_count;  // the spare disk's count for a border
   calendar_.add(next.time, i, disks_.data());
 }
 
-/// The elastic rule of turn.hpp, at the time of contact, in the frame in which the two rims rest: the velocity v along
-/// the line of centres becomes −v + 2a. The centre at the zero of time moves so that the path does not jump: x + v·now
-/// stays what it was. The bits do not depend on which of the two is i.
+/// Lets disks i and j collide by the elastic rule of turn.hpp at the time of contact, in the frame in which the two
+/// rims rest: the velocity v along the line of centres becomes −v + 2a. The centre at the start of the epoch moves so
+/// that the path does not jump: x + v·now stays the same. The bits do not depend on which of the two disks is i.
 template <class Observer>
 void Flight::collide(Index i, Index j, Observer& observer) {
   MovingDisk& a = disks_[i];
@@ -286,7 +284,7 @@ void Flight::reach_border(Index i, BorderEvent const& event, Observer& observer)
   }
 }
 
-/// The wall rests, the rim comes to meet it: v becomes −v plus twice the speed of growth, inwards.
+/// Reflects disk i from a resting wall that its rim, growing at speed a, meets: v becomes −v plus 2a, inwards.
 template <class Observer>
 void Flight::hit_wall(Index i, Side side, Observer& observer) {
   MovingDisk& disk = disks_[i];
@@ -302,12 +300,12 @@ void Flight::hit_wall(Index i, Side side, Observer& observer) {
   observer.wall_hit(i, side, impulse);
 }
 
-/// Calls visit(slots) for runs of slots that together hold all disks which a disk there can touch with their radii at
-/// `scale`, if what is known of the place of either is wrong by no more than `more` in all.
+/// Calls visit(slots) for runs of slots that together hold all disks which a disk at this place can touch with radii at
+/// `scale`; the errors of the two places add up to at most `more`.
 template <class Visit>
 void Flight::for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const {
   for (SizeClass const& like_disks : size_classes_) {
-    // A hair for rounding.
+    // A factor above 1 covers rounding.
     double const reach =
         (radius + like_disks.largest_radius) * scale * (1.0 + 1e-6) + more + like_disks.grid.largest_margin();
     like_disks.grid.for_each_run(place - Vector{reach, reach}, place + Vector{reach, reach}, visit);

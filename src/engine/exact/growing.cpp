@@ -7,7 +7,7 @@ namespace gridlock::exact {
 
 namespace {
 
-/// An epoch lasts for about as long as each disk is hit this often, where they are hit often.
+/// Hits of each disk in an epoch, on average, where disks are hit often.
 constexpr double hits_in_epoch = 64.0;
 
 }  // namespace

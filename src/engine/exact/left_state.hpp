@@ -6,8 +6,8 @@
 
 namespace gridlock::exact {
 
-/// The state as it was when it was handed to the caller: only as long as it stays so can the flight go on that it was
-/// taken from.
+/// A fingerprint of the state given to the caller. The engine may continue its flight only while the state is
+/// unchanged.
 class LeftState {
  public:
   void remember(State const& state) {
@@ -19,7 +19,7 @@ class LeftState {
   }
 
  private:
-  /// Which Id is in which row, which hash(State) leaves out on purpose.
+  /// Returns a hash of the Ids in the order of the rows, because hash(State) does not depend on that order.
   static std::uint64_t hash_of_rows(Disks const& disks) {
     std::uint64_t hash = 0;
     for (Id const id : disks.ids()) hash = (hash ^ id) * 0x9E3779B97F4A7C15U;

@@ -8,12 +8,12 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Lists of neighbours pay where the number of disks in nine cells, times the square of the packing fraction, is
-/// larger: measured with equal disks and with mixtures of 1:1.4 to 1:10.
+/// Lists of neighbours are faster than cells where the mean number of disks in nine cells, times the square of the
+/// packing fraction, is above this. Measured with equal disks and with mixtures of size ratio 1.4 to 10.
 constexpr double candidates_for_lists = 4.5;
-/// The least room around the place of a growing disk, in diameters of the smallest.
+/// Least room around the place of a growing disk, in diameters of the smallest disk.
 constexpr double min_room_of_growing = 0.02;
-/// By how much the disks may grow before the lists are renewed.
+/// Factor by which the radii may grow before the lists are renewed.
 constexpr double growth_of_lists = 1.001;
 
 double squared(double number) { return number * number; }
@@ -31,8 +31,9 @@ bool Flight::wants_lists() const {
   return candidates * squared(packing_fraction()) >= candidates_for_lists;
 }
 
-/// Around the places: a small one is left often, a large one makes long lists. A measured compromise, in root mean
-/// square diameters. Growing disks are the more confined the shorter their epochs are.
+/// Returns the room around a place: how far its disk may move from it, in x and in y. Disks leave a small room often, a
+/// large one makes long lists; the numbers are a measured compromise, in root mean square diameters. Growing disks get
+/// less room the shorter their epochs are.
 double Flight::room_for_lists() const {
   double const diameter = 2.0 * std::sqrt(mean_squared_radius_) * growth_.scale.at_zero;
   double const room = (0.2 + std::max(0.0, 0.8 - packing_fraction())) * diameter;
@@ -41,8 +42,8 @@ double Flight::room_for_lists() const {
   return std::clamp(room * epoch_length_ / longest_epoch_, least, std::max(room, least));
 }
 
-/// Within how much of an edge of the box a place is from which a disk may meet another across it: the two touch, each
-/// anywhere in its room, with a place in its room.
+/// Returns the distance from an edge of the box within which the place of a disk lies if the disk may meet another
+/// across the edge: two disks in contact, each anywhere within `room` of its place.
 double Flight::reach_with(double room, double scale) const { return 2.0 * largest_radius_ * scale + 5.0 * room; }
 
 void Flight::end_lists() {
@@ -54,15 +55,14 @@ void Flight::end_lists() {
   lists_.max_scale = 1.0;
 }
 
-/// Begins, renews or ends the use of lists.
-/// Contract: all events are predicted anew.
+/// Begins, renews or ends the use of lists. Contract: all events are predicted anew.
 void Flight::renew_lists(double time) {
   bool wants = wants_lists();
   double const scale = growth_.scale.at(epoch_length_);
   if (wants && has_lists() && scale <= lists_.max_scale) return;
   double const room = room_for_lists();
   double const max_scale = is_growing() ? growth_of_lists * scale : 1.0;
-  // Kernels read the names of sixteen disks; and there must be one image of a neighbour that is the nearest.
+  // Kernels read sixteen entries of a list at once, and each neighbour must have one image that is the nearest.
   double const min_side = 3.0 * reach_with(room, max_scale);
   wants &= size_ >= 16 && !(box_.is_periodic() && std::min(box_.width(), box_.height()) < min_side);
   if (!wants) {
@@ -86,7 +86,8 @@ void Flight::find_all_neighbours() {
   for (Index i = 0; i < size_; ++i) find_neighbours(i, false);
 }
 
-/// Those who may touch i before one of the two leaves the room around its place; `tells_them` puts i into their lists.
+/// Writes the list of the disks that may touch i before one of the two leaves the room around its place; `tells_them`
+/// also adds i to the lists of those disks.
 void Flight::find_neighbours(Index i, bool tells_them) {
   std::span<Index const> const names = collect_neighbours(i);
   write_list(i, names);
@@ -95,7 +96,7 @@ void Flight::find_neighbours(Index i, bool tells_them) {
   for (Index const j : lists_.to_tell) tell(j, i);
 }
 
-/// Good until others are collected.
+/// Returns the neighbours of disk i. Contract: use the result before the next call, which overwrites it.
 std::span<Index const> Flight::collect_neighbours(Index i) {
   Place const place = lists_.places[i];
   double const rooms = 2.0 * lists_.room;
@@ -111,7 +112,7 @@ std::span<Index const> Flight::collect_neighbours(Index i) {
                             .place = place,
                             .own_radius = radius_of(i),
                             .rooms = rooms,
-                            // A hair more than contact, for places and paths are rounded.
+                            // A factor above 1 covers the rounding of places and paths.
                             .scale = lists_.max_scale * (1.0 + 1e-9),
                             .width = box_.width(),
                             .height = box_.height(),
@@ -139,12 +140,12 @@ void Flight::write_list(Index i, std::span<Index const> names) {
     lists_.unused.pop_back();
   }
   LongList& long_list = lists_.long_lists[list.long_list()];
-  // Some of those who come will find it full of others who have gone.
+  // Reserved for half as many more, since neighbours are added and none removed until the list is full.
   long_list.reserve(names.size() + names.size() / 2);
   long_list.assign(names.begin(), names.end());
 }
 
-/// Disk i has come near the other.
+/// Adds disk i, which has come near, to the list of the disk `other`.
 void Flight::tell(Index other, Index i) {
   Neighbours& list = lists_.neighbours[other];
   if (list.has_all()) {
@@ -161,11 +162,11 @@ void Flight::tell(Index other, Index i) {
       return;
     }
   }
-  // Some in it may long be gone.
+  // A full list may hold disks that have left, so it is made anew.
   find_neighbours(other, false);
 }
 
-/// A disk that has left the room around its place has other neighbours, and is one of theirs.
+/// Gives a disk that has left the room around its place a new place, and renews the lists that change by it.
 void Flight::take_new_place(Index i, double time) {
   lists_.places[i] = place_of(disks_[i], time);
   move_to_cell(i, cell_of(i, time), time);

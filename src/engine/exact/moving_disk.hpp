@@ -5,17 +5,17 @@
 
 namespace gridlock::exact {
 
-/// The name of a disk inside the engine: its place in memory, which changes when the disks are put in cell order.
+/// The index of a disk inside the engine: its position in memory, which changes when the disks are sorted by cell.
 using Index = std::uint32_t;
 
-/// The border that a disk meets next, where that is no other disk: that of its cell, or the wall there.
+/// Values of MovingDisk::partner where the next event is at a border: that of the disk's cell, or a wall there.
 inline constexpr Index vertical_border = std::numeric_limits<Index>::max() - 1;
 inline constexpr Index horizontal_border = std::numeric_limits<Index>::max();
 
-/// The time of what does not happen.
+/// Time of an event that never comes.
 inline constexpr double never = std::numeric_limits<double>::infinity();
 
-/// An empty slot of a cell.
+/// Value of an empty slot of a cell.
 inline constexpr Index no_disk = std::numeric_limits<Index>::max();
 
 /// One disk in free flight, with the one event it waits for.
@@ -23,21 +23,21 @@ inline constexpr Index no_disk = std::numeric_limits<Index>::max();
 /// The centre at time t of the present epoch is (x + velocity_x·t, y + velocity_y·t): all disks share one clock, so no
 /// disk is ever brought up to date, and a prediction reads this one cache line of each neighbour and nothing else.
 ///
-///     byte  0   8   16          24          32          40        48       52                       56               60
-///           x   y   velocity_x  velocity_y  event_time  last_hit  partner  partner_collision_count  collision_count  id_index
+///     byte  0  8  16          24          32          40        48       52               56               60
+///           x  y  velocity_x  velocity_y  event_time  last_hit  partner  partner_…_count  collision_count  id_index
 struct alignas(64) MovingDisk {
   double x;
   double y;
   double velocity_x;
   double velocity_y;
-  double event_time;  ///< when the disk's event is due, in time of the epoch; never earlier than now
-  double last_hit;    ///< when its velocity last changed, in this epoch; 0 where it has not
-  Index partner;      ///< the disk it is to meet, or a border
-  /// The partner's collision count when the event was predicted; another one means that it was hit since.
+  double event_time;  ///< time of the disk's event, counted from the start of the epoch; never earlier than the present
+  double last_hit;    ///< time in this epoch when the velocity last changed; 0 if it has not
+  Index partner;      ///< the disk to be met, or a border
+  /// The partner's collision count when the event was predicted; if it differs now, the event is void.
   std::uint32_t partner_collision_count;
   std::uint32_t
-      collision_count;  ///< how often this disk's velocity has changed, or its coordinates at the edge of a periodic box
-  std::uint32_t id_index;  ///< place in the order of Ids; breaks ties
+      collision_count;     ///< number of changes of the velocity, or of the coordinates at the edge of a periodic box
+  std::uint32_t id_index;  ///< index in the order of Ids; it breaks ties
 };
 static_assert(sizeof(MovingDisk) == 64);
 
@@ -49,8 +49,7 @@ struct Cell {
   friend bool operator==(Cell const&, Cell const&) = default;
 };
 
-/// Gives a disk a change of velocity at time `now`: its centre at the zero of time moves so that its path does not
-/// jump.
+/// Changes a disk's velocity at time `now`, and its centre at the start of the epoch so that the path does not jump.
 inline void change_velocity(MovingDisk& disk, double change_x, double change_y, double now) {
   disk.velocity_x += change_x;
   disk.velocity_y += change_y;

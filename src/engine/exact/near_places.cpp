@@ -7,7 +7,7 @@ namespace gridlock::exact {
 
 namespace {
 
-// Without branches: no processor guesses which slots are empty and which disks are neighbours.
+// There are no branches, because no processor can guess which slots are empty and which disks are neighbours.
 
 std::size_t collect(Index const* slots, std::size_t count, Index apart, Index* names) {
   std::size_t found = 0;

@@ -9,38 +9,38 @@
 
 namespace gridlock::exact {
 
-/// Whom a disk may touch before one of the two leaves the room around its place.
+/// The input of a search for the disks that a disk may touch before one of the two leaves the room around its place.
 struct PlacesAround {
-  Place const* places;   ///< of all disks
-  double const* radius;  ///< of all disks; nullptr while all are equal
-  Place place;           ///< of the disk
+  Place const* places;   ///< places of all disks
+  double const* radius;  ///< radii of all disks; nullptr while all are equal
+  Place place;           ///< place of the disk that searches
   double own_radius;
-  double rooms;  ///< of the two, in x or y
-  double scale;  ///< of the radii
+  double rooms;  ///< sum of the rooms of the two disks, in x or y
+  double scale;  ///< factor of all radii
   double width;
   double height;
   bool is_periodic;
 };
 
-/// Names are written and read so many at once, whatever the registers.
+/// Indices in a batch, for any width of register.
 inline constexpr std::size_t names_per_batch = 16;
 
-/// Kernels that look for neighbours. All give the same names in the same order.
+/// Kernels that search for neighbours. All return the same indices in the same order.
 struct NearPlaces {
-  /// Writes the names in some slots, in which there may be nobody, but for one; returns how many. There is room for as
-  /// many as slots, and for a batch more. Slots up to a batch behind the last are read.
+  /// Copies the indices in `count` slots to `names`, without empty slots and without `apart`; returns how many. `names`
+  /// has space for `count` indices and a batch more; slots up to a batch behind the last are read.
   using Collect = std::size_t (*)(Index const* slots, std::size_t count, Index apart, Index* names);
-  /// Leaves those of the names whose disks are near enough; returns how many. There is room for a batch more.
+  /// Keeps in `names` the disks that are near enough; returns how many. `names` has space for a batch more.
   using Keep = std::size_t (*)(PlacesAround const& around, Index* names, std::size_t count);
 
   Collect collect;
   Keep keep;
 };
 
-/// The kernels for the instructions of this target, which the processor must have.
+/// Returns the kernels for the instructions of this target, which the processor must have.
 NearPlaces near_places_for(Target target);
 
-/// Those of one file; none where this build has none.
+/// Returns the AVX-512 kernels, or nothing where this build has none.
 std::optional<NearPlaces> near_places_with_avx512();
 
 }  // namespace gridlock::exact

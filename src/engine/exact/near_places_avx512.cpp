@@ -1,8 +1,8 @@
 #include "core/avx512.hpp"
 #include "engine/exact/near_places.hpp"
 
-// By hand, and for these registers alone: narrower ones have no instruction that moves what is kept together, and gain
-// nothing.
+// These kernels are written by hand for AVX-512 alone: narrower registers lack the instruction that moves the kept
+// lanes together, and would gain no time.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
@@ -16,15 +16,14 @@ namespace {
 constexpr std::size_t lanes = 8;
 static_assert(names_per_batch == 2 * lanes);
 
-/// Of `count` lanes, or all.
+/// Returns a mask of the first `count` lanes, or of all lanes if there are fewer.
 template <class Mask>
 Mask first_lanes(std::size_t count) {
   constexpr std::size_t all = 8 * sizeof(Mask);
   return static_cast<Mask>((std::uint64_t{1} << std::min(count, all)) - 1U);
 }
 
-// The lanes that are kept are moved together in a register and written whole: writing only some of the lanes takes ten
-// times as long.
+// Kept lanes are moved together in a register, which is then written whole: writing some lanes takes ten times as long.
 
 GRIDLOCK_AVX512 std::size_t collect(Index const* slots, std::size_t count, Index apart, Index* names) {
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(no_disk));
@@ -46,7 +45,7 @@ GRIDLOCK_AVX512 inline __m512d side_by_side(__m128d a, __m128d b, __m128d c, __m
   return _mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1);
 }
 
-/// By how much the distance of two places in one direction is larger than the rooms of both.
+/// Returns the distance of two places in one direction minus the rooms of both.
 GRIDLOCK_AVX512 inline __m512d gap(__m512d other, double own, double side, PlacesAround const& around) {
   __m512d distance = _mm512_abs_pd(_mm512_sub_pd(other, _mm512_set1_pd(own)));
   if (around.is_periodic) {
@@ -56,13 +55,13 @@ GRIDLOCK_AVX512 inline __m512d gap(__m512d other, double own, double side, Place
 }
 
 GRIDLOCK_AVX512 std::size_t keep(PlacesAround const& around, Index* names, std::size_t count) {
-  // Behind the last there is some name, which does not count.
+  // Lanes behind the last index get the first index; they are not counted.
   std::fill_n(names + count, lanes, names[0]);
   __m512d const own_radius = _mm512_set1_pd(around.own_radius);
   std::size_t near = 0;
   for (std::size_t k = 0; k < count; k += lanes) {
     Index const* const eight = names + k;
-    // One load after the other, for a gather takes longer.
+    // Singly loaded, because a gather takes longer.
     auto const place = [&](int n) GRIDLOCK_AVX512 { return _mm_loadu_pd(&around.places[eight[n]].x); };
     auto const radii = [&](int n) GRIDLOCK_AVX512 {
       return _mm_loadh_pd(_mm_load_sd(around.radius + eight[n]), around.radius + eight[n + 1]);

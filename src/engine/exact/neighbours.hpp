@@ -8,19 +8,19 @@
 
 namespace gridlock::exact {
 
-/// The disks that a disk can touch as long as all of them stay near their places: in a dense system half as many as the
-/// block of cells has. Kernels read a whole register of indices at a time. A large disk among small ones has a long
-/// list elsewhere.
+/// The list of disks that a disk can touch as long as all disks stay near their places; in a dense system half as many
+/// as the block of cells holds. Kernels read a whole register of indices at once. A large disk among small ones has a
+/// long list elsewhere.
 struct alignas(64) Neighbours {
   static constexpr std::uint32_t most = 15;
 
-  Index disks[most];    ///< and behind them `nobody`; the first is the place of the long list where there is one
-  std::uint32_t count;  ///< more than `most` where there is a long list
+  Index disks[most];    ///< unused entries hold `nobody`; with a long list the first is its index
+  std::uint32_t count;  ///< number of neighbours; more than `most` where there is a long list
 
   [[nodiscard]] bool has_all() const { return count <= most; }
   [[nodiscard]] Index long_list() const { return disks[0]; }
   [[nodiscard]] bool has(Index disk) const {
-    // All are looked at, many at once.
+    // All entries are compared, so that compilers use vector instructions.
     bool is_found = false;
     for (Index const other : disks) is_found |= other == disk;
     return is_found;
@@ -37,10 +37,10 @@ struct alignas(64) Neighbours {
 };
 static_assert(sizeof(Neighbours) == 64);
 
-/// The names of more neighbours than a short list has room for.
+/// The list of neighbours that are too many for a short list.
 using LongList = std::vector<Index>;
 
-/// Where a disk is taken to be: it leaves its place when it is further from it than the room of all, in x or y.
+/// The reference position of a disk. The disk leaves its place when it is further from it than the room, in x or y.
 struct Place {
   double x;
   double y;

@@ -20,7 +20,7 @@ Prediction predict_one_by_one(PredictionInput const& s, Index i, double now, Ind
         s.slots + static_cast<std::size_t>(row + 1) * s.row_stride + static_cast<std::size_t>(cell.column) * s.capacity;
     for (std::int32_t column = cell.column - 1; column <= cell.column + 1; ++column) {
       double const shift_x = shift_of_image(column, s.columns, s.width);
-      // The first slots of a cell are the ones in use.
+      // The used slots of a cell are the first ones.
       for (std::size_t k = 0; k < s.capacity && slot[k] != no_disk; ++k) {
         if (slot[k] != i) earliest.consider(slot[k], shift_x, shift_y);
       }
@@ -30,7 +30,7 @@ Prediction predict_one_by_one(PredictionInput const& s, Index i, double now, Ind
   return earliest.best();
 }
 
-/// One coordinate of a growing disk.
+/// The motion of a growing disk in one coordinate.
 struct Track {
   double place;
   double velocity;
@@ -38,14 +38,14 @@ struct Track {
   double last_hit;
 };
 
-/// The cell or the room around its place that it is in, in that coordinate.
+/// Bounds of a growing disk in one coordinate: of its cell, or of the room around its place.
 struct Range {
   double lower;
   double upper;
   double side;
-  bool ends_at_lower_edge;  ///< of a periodic box
+  bool ends_at_lower_edge;  ///< the lower edge of a periodic box
   bool ends_at_upper_edge;
-  bool has_lower_wall;  ///< which it may touch there
+  bool has_lower_wall;  ///< the disk may touch a wall at the lower bound
   bool has_upper_wall;
 };
 
@@ -90,7 +90,7 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
       bool const is_last = index == count - 1;
       bool const has_lower_wall = is_first && !s.is_periodic;
       bool const has_upper_wall = is_last && !s.is_periodic;
-      // Behind the wall it never comes.
+      // A wall is no border of the cell: the disk touches it before its centre gets there.
       return Range{.lower = has_lower_wall ? -never : limits[std::ptrdiff_t{2} * index],
                    .upper = has_upper_wall ? never : limits[std::ptrdiff_t{2} * index + 1],
                    .side = side,
@@ -129,7 +129,7 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
 }
 
 bool has_room_for_registers(PredictionInput const& s) {
-  // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
+  // With fewer cells the nearest image of a disk may not be the one in the neighbouring cell.
   return s.neighbours != nullptr || !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
 }
 

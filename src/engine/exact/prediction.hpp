@@ -12,41 +12,40 @@
 
 namespace gridlock::exact {
 
-/// Everything a prediction reads; borrowed pointers and the numbers of the box.
+/// Everything that a prediction reads: borrowed pointers and the numbers of the box.
 struct PredictionInput {
-  MovingDisk const*
-      disks;  ///< and the one at `nobody` behind them, which waits for an event of the past: nobody meets it
+  MovingDisk const* disks;  ///< all disks and behind them the spare disk `nobody`, which no disk ever meets
   Index nobody;
-  Cell const* cells;     ///< of each disk
-  double const* radius;  ///< of each disk and of `nobody`; nullptr while all are equal
+  Cell const* cells;     ///< cell of each disk
+  double const* radius;  ///< radius of each disk and of `nobody`; nullptr while all are equal
   double equal_radius;
-  double const* mass;  ///< of each disk; nullptr while all are equal: not read, but fetched for collisions to come
-  Index const* slots;  ///< of SlotGrid, where there are no lists
+  double const* mass;  ///< mass of each disk; nullptr while all are equal; prefetched for coming collisions only
+  Index const* slots;  ///< slots of the SlotGrid, where there are no lists
   std::size_t row_stride;
   std::size_t capacity;
-  double const* column_limits;  ///< of SlotGrid
+  double const* column_limits;  ///< limits of the columns, as in SlotGrid
   double const* row_limits;
   std::int32_t columns;
   std::int32_t rows;
   double width;
   double height;
   bool is_periodic;
-  Scale scale = {};                        ///< of all radii
-  Neighbours const* neighbours = nullptr;  ///< of each disk; nullptr while the block of cells is looked at
-  LongList const* long_lists = nullptr;    ///< of those who have more neighbours
-  Place const* places = nullptr;           ///< of each disk that has neighbours
-  double room = 0.0;                       ///< how far a disk may be from its place
-  double margin = 0.0;                     ///< disks with places further from the edges meet nobody across them
+  Scale scale = {};                        ///< factor of all radii
+  Neighbours const* neighbours = nullptr;  ///< list of each disk; nullptr while the block of cells is searched
+  LongList const* long_lists = nullptr;    ///< lists of the disks with too many neighbours for `neighbours`
+  Place const* places = nullptr;           ///< place of each disk; nullptr where there are no lists
+  double room = 0.0;                       ///< largest distance of a disk from its place, in x and in y
+  double margin = 0.0;                     ///< disks whose places are further from the edges meet no other across them
 
   [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
   [[nodiscard]] bool is_growing() const { return scale.rate != 0.0; }
-  /// Contract: there are lists.
+  /// Returns the neighbours of disk i. Contract: there are lists.
   [[nodiscard]] std::span<Index const> neighbours_of(Index i) const {
     Neighbours const& list = neighbours[i];
     if (list.has_all()) return {list.disks, list.count};
     return long_lists[list.long_list()];
   }
-  /// Whether the separation from some disk that i may meet goes across the edge of a periodic box.
+  /// Returns whether disk i may meet another across the edge of a periodic box.
   [[nodiscard]] bool needs_images(Index i) const {
     if (!is_periodic) return false;
     if (places != nullptr) {
@@ -58,7 +57,7 @@ struct PredictionInput {
   }
 };
 
-/// When a disk's next event is due and what it will meet.
+/// The time of a disk's next event, and the disk or border that it will meet.
 struct Prediction {
   double time;
   Index partner;
@@ -70,52 +69,52 @@ struct PairPrediction {
   Prediction of_j;
 };
 
-/// The first event of disk i after `now` that no other disk will look after.
+/// Predicts the first event of disk i after `now` that no other disk's event precedes.
 ///
 /// Two disks at distance d with relative velocity w, σ = (R_i + R_j) · scale(t) and a = dσ/dt, A = w² − a², b = d·w −
 /// aσ, c = d² − σ², touch after
 ///     Δt = c / (−b + √(b² − Ac))   if b < 0, the form that does not cancel,
 ///     Δt = (b + √(b² − Ac)) / (−A)   if b ≥ 0 and A < 0: the disks grow faster than they part.
-/// For disks that do not grow b² − Ac is computed as w²σ² − (d × w)², which keeps its digits where small disks far away
-/// from each other are to touch with their rims. d, b and c are those of the moment at which the velocity of one of the
-/// two last changed: the time of contact has the same bits whenever it is predicted, so that neither cells nor lists
-/// nor void events show in the trajectory.
+/// For disks that do not grow b² − Ac is computed as w²σ² − (d × w)², which keeps its digits where small disks far from
+/// each other will touch at their rims. d, b and c are taken at the time when the velocity of one of the two last
+/// changed. So the time of contact has the same bits whenever it is predicted, and the trajectory does not depend on
+/// cells, lists or void events.
 ///
-/// A collision with j counts only when it comes before j's own event: at its own event j looks at all its neighbours
-/// again and finds it. The 3×3 block of cells is enough, for leaving its cell is an event as well; so is the list of
-/// neighbours, for so is leaving the room around its place. Every implementation gives the same bits: the same
+/// A collision with j counts only if it comes before j's own event: at its own event j searches its neighbours again
+/// and finds it. The 3×3 block of cells is enough, because leaving a cell is an event too; so is the list of
+/// neighbours, because leaving the room around a place is one. Every implementation gives the same bits: the same
 /// operations on each candidate in the same order, no contraction, ties to the lower Id.
-/// Contract: all event times come from this kernel since the zero of the epoch.
+/// Contract: all event times since the start of the epoch come from this kernel.
 using Predict = Prediction (*)(PredictionInput const& prediction_input, Index i, double now);
-/// The same for two that have just collided, and cannot meet there again unless their growth makes them.
+/// Predicts for two disks that have just collided; they meet each other again only if they grow.
 using PredictPair = PairPrediction (*)(PredictionInput const& prediction_input, Index i, Index j, double now);
 
-/// A kernel that predicts, for one disk and for two.
+/// The two functions of a kernel: for one disk, and for a pair that has just collided.
 struct Predictor {
   Predict one;
   PredictPair pair;
 };
 
-/// The definition, one candidate at a time, for any box and any number of slots.
+/// Returns the kernel that defines the results: one candidate at a time, for any box and any number of slots.
 Predictor reference_predictor();
 
-/// Whether the box has the five cells a side, or disks the lists, that all other predictors need.
+/// Returns whether kernels other than the reference can be used: the box has five cells a side, or disks have lists.
 bool has_room_for_registers(PredictionInput const& prediction_input);
-/// The kernel for the instructions of this target, which the processor must have; none where this build has no such
-/// kernel.
+/// Returns the kernel for the instructions of this target, which the processor must have; nothing where this build has
+/// no such kernel.
 /// Contract: has_room_for_registers().
 std::optional<Predictor> predictor_for(Target target, bool is_growing);
 
-/// The fastest implementation for this processor and these cells.
+/// Returns the fastest kernel for this processor and these cells.
 Predictor fastest_predictor(PredictionInput const& prediction_input);
 
-/// Kernels by target; predictor_for() chooses among them.
+/// Kernels of each target; predictor_for() chooses one.
 Predictor plain_predictor(bool is_growing);
 std::optional<Predictor> avx512_predictor(bool is_growing);
 std::optional<Predictor> highway_predictor(Target target, bool is_growing);
 
-/// When disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or a wall;
-/// not for growing disks between walls.
+/// Predicts when disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or
+/// a wall. Contract: the disk does not grow, or the box is periodic.
 inline Prediction predict_border(PredictionInput const& s, Index i, double now) {
   MovingDisk const& disk = s.disks[i];
   bool const is_rightwards = disk.velocity_x > 0.0;
@@ -134,22 +133,22 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
   y_edge = std::min(std::max(y_edge, r), s.height - r);
   double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
   double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
-  // Without a branch, for either is as likely.
+  // Chosen without a branch, because both borders are equally likely.
   static_assert(horizontal_border == vertical_border + 1);
   return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
 }
 
-enum class Side { left, right, bottom, top };  // in the order of Counters::Wall
+enum class Side { left, right, bottom, top };  // the order of Counters::Wall
 
 enum class Border { of_cell, of_place, edge, wall };
 
-/// The kind of border that a disk has reached; the edge of a periodic box is one of a cell where there are no places.
+/// The border that a disk has reached. In a periodic box without places, its edge is the border of a cell.
 struct BorderEvent {
   double time;
   Side side;
   Border border;
 };
-/// Of a disk that does not grow, at the event of this partner; the time is left out.
+/// Returns the border of a disk that does not grow from its event with `partner`; its time is not set.
 inline BorderEvent border_event(PredictionInput const& s, Index i, Index partner) {
   bool const is_vertical = partner == vertical_border;
   double const velocity = is_vertical ? s.disks[i].velocity_x : s.disks[i].velocity_y;
@@ -167,10 +166,10 @@ inline BorderEvent border_event(PredictionInput const& s, Index i, Index partner
   return {0.0, side, is_edge ? at_edge : Border::of_place};
 }
 
-/// The first that a growing disk reaches.
+/// Returns the first border that a growing disk reaches.
 BorderEvent border_event_growing(PredictionInput const& prediction_input, Index i);
 
-/// When a disk that grows reaches one of its limits, or a wall.
+/// Predicts when a growing disk reaches a border or a wall.
 inline Prediction predict_border_growing(PredictionInput const& s, Index i, double now) {
   if (s.is_periodic) return predict_border(s, i, now);
   BorderEvent const border = border_event_growing(s, i);
@@ -183,7 +182,7 @@ Prediction predict_any_border(PredictionInput const& s, Index i, double now) {
   return grows ? predict_border_growing(s, i, now) : predict_border(s, i, now);
 }
 
-/// How much is to be added to a position in a cell of that index, which may be a ghost beside the box.
+/// Returns the shift of a position in a cell of this column or row, which may be a ghost cell outside the box.
 inline double shift_of_image(std::int32_t index, std::int32_t count, double side) {
   if (index < 0) return -side;
   return index >= count ? side : 0.0;

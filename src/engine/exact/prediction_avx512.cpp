@@ -13,11 +13,11 @@ namespace gridlock::exact {
 namespace {
 
 constexpr std::size_t lanes = 8;
-/// Candidates in one go; a disk that may meet more takes several.
+/// Largest number of candidates handled at once; a disk with more takes several rounds.
 constexpr std::size_t max_candidates_here = 16;
 static_assert(batch == lanes);
 
-/// The names in one run of three cells, moved to the front of a register, after `count` others.
+/// The disks of three cells in a row, moved to the front of a register; `count` is their number.
 struct Run {
   __m512i names;
   unsigned count;
@@ -37,15 +37,15 @@ GRIDLOCK_AVX512 inline __m512i moved_up(Run const& run, unsigned places) {
   return _mm512_maskz_expand_epi32(static_cast<__mmask16>(((1U << run.count) - 1U) << places), run.names);
 }
 
-/// Those that i may meet but for `apart`. Three cells of four slots are a run of memory that one register of sixteen
-/// holds.
+/// Collects the candidates of disk i, without `apart`. Three cells of four slots are contiguous and fit a register of
+/// sixteen lanes.
 /// Returns false where there may be too many.
 GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(s.nobody));
   if (s.neighbours != nullptr) {
-    // The last of the sixteen is not a name but their number. Without the one that is apart few disks of a mixture need
-    // a second batch.
+    // The last of the sixteen lanes is the number of neighbours. Leaving `apart` out saves most disks of a mixture a
+    // second batch.
     __m512i const names = _mm512_load_si512(s.neighbours[i].disks);
     auto const others = static_cast<__mmask16>(_mm512_cmpneq_epi32_mask(names, other) & 0x7FFFU);
     _mm512_store_si512(candidates.disks, _mm512_mask_compress_epi32(nobody, others, names));
@@ -79,7 +79,7 @@ GRIDLOCK_AVX512 inline __m256d side_by_side(__m128d low, __m128d high) {
   return _mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1);
 }
 
-/// Eight disks transposed from one line a disk to one register a quantity.
+/// Transposes the records of eight disks: from one cache line for a disk to one register for a quantity.
 ///
 ///     a = 0: x y vx vy │ 2: x y vx vy      unpack    x0 x1 vx0 vx1 │ x2 x3 vx2 vx3      shuffle   x0 … x7
 ///     b = 1: x y vx vy │ 3: x y vx vy      ──────→   y0 y1 vy0 vy1 │ y2 y3 vy2 vy3      ──────→   vx0 … vx7
@@ -109,14 +109,14 @@ GRIDLOCK_AVX512 inline Columns columns_of(MovingDisk const* disks, Index const* 
           _mm512_unpackhi_pd(even, odd)};
 }
 
-/// One load after the other, for a gather takes longer.
+/// Loads the radii singly, because a gather takes longer.
 GRIDLOCK_AVX512 inline __m512d radii_of(double const* radius, Index const* names) {
   auto const two = [&](int k)
                        GRIDLOCK_AVX512 { return _mm_loadh_pd(_mm_load_sd(radius + names[k]), radius + names[k + 1]); };
   return side_by_side(side_by_side(two(0), two(2)), side_by_side(two(4), two(6)));
 }
 
-/// predict_border(), the two directions side by side.
+/// Computes predict_border() with x and y in one register.
 GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s, Index i, double now) {
   MovingDisk const& disk = s.disks[i];
   __m128d const zero = _mm_setzero_pd();
@@ -139,12 +139,12 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s
   __m128d const infinite = _mm_set1_pd(std::numeric_limits<double>::infinity());
   __m128d const time = _mm_mask_div_pd(infinite, moves, _mm_sub_pd(edge, position), velocity);
   __m128d const y_time = _mm_unpackhi_pd(time, time);
-  // Either is as likely: intrinsics, because a compiler may well make a branch of std::min().
+  // Both borders are equally likely. An intrinsic is used because compilers may turn std::min() into a branch.
   auto const is_horizontal = static_cast<Index>(_mm_cmp_sd_mask(y_time, time, _CMP_LT_OQ));
   return {_mm_cvtsd_f64(_mm_max_sd(_mm_min_sd(y_time, time), _mm_set_sd(now))), vertical_border + is_horizontal};
 }
 
-/// By how much a coordinate of a separation is to be moved to be the nearest image.
+/// Returns the shifts of coordinates of separations that lead to the nearest images.
 GRIDLOCK_AVX512 inline __m512d shifts_to_nearest(__m512d d, double side) {
   __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
   __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
@@ -161,7 +161,7 @@ GRIDLOCK_AVX512 inline Prediction border_of(PredictionInput const& s, Index i, d
   return grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
 }
 
-/// The first of `best` and the contacts with the candidates. Called, it would take 2 % longer.
+/// Returns the first event among `best` and the contacts with the candidates. Inlined, it saves 2 % of the time.
 template <bool grows>
 [[gnu::always_inline]] GRIDLOCK_AVX512 inline Prediction earliest_of(PredictionInput const& s, Index i, double now,
                                                                      Candidates const& candidates, Prediction best) {
@@ -224,7 +224,7 @@ template <bool grows>
   return best;
 }
 
-/// Beside a disk that i has just collided with.
+/// Predicts for disk i, which has just collided with `apart`.
 template <bool grows>
 GRIDLOCK_AVX512 inline Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart,
                                                  Candidates const& candidates) {
@@ -232,7 +232,7 @@ GRIDLOCK_AVX512 inline Prediction predict_beside(PredictionInput const& s, Index
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-/// Predicts for a disk with many candidates; `apart` is no disk where it has not just collided with any.
+/// Predicts for a disk with many candidates. `apart` is the disk it has just collided with, or no_disk.
 template <bool grows>
 GRIDLOCK_AVX512 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
   Prediction const best = earliest_of_many(s, i, apart, border_of<grows>(s, i, now),
@@ -252,8 +252,7 @@ GRIDLOCK_AVX512 Prediction predict(PredictionInput const& s, Index i, double now
 
 template <bool grows>
 GRIDLOCK_AVX512 PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double now) {
-  // The disks around the two do not depend on their collision: collected first, they are found while the processor
-  // still waits for the new velocities.
+  // The disks around do not depend on the collision: they are collected while the new velocities are computed.
   Candidates around_i;
   Candidates around_j;
   bool const fits_i = collect(s, i, j, around_i);
@@ -262,7 +261,7 @@ GRIDLOCK_AVX512 PairPrediction predict_pair(PredictionInput const& s, Index i, I
     return {fits_i ? predict_beside<grows>(s, i, now, j, around_i) : predict_among_many<grows>(s, i, now, j),
             fits_j ? predict_beside<grows>(s, j, now, i, around_j) : predict_among_many<grows>(s, j, now, i)};
   }
-  // Each returned as it is made: a copy would be read before it is written.
+  // Each prediction is returned as it is made: a copy would be read before its writes are done.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }
 

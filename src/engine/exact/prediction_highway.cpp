@@ -1,11 +1,10 @@
 #include "engine/exact/candidates.hpp"
 #include "engine/exact/earliest_contact.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
-// of Highway are used; predictor_for() chooses which of the kernels is called. AVX-512 has a kernel by hand
-// (prediction_avx512.cpp), which is 1.2 to 1.3 times as fast; processors with SSSE3 alone take the plain C++
-// (prediction_plain.cpp), which is faster than Highway's one lane, too. Registers of SVE have no size and fit in no
-// struct.
+// This file is written once with Google Highway and compiled once for every target below, because it includes itself.
+// It uses only headers of Highway; predictor_for() chooses the kernel. AVX-512 has a kernel written by hand
+// (prediction_avx512.cpp), which is 1.2 to 1.3 times as fast; with SSSE3 the plain C++ (prediction_plain.cpp) is
+// faster. SVE is left out: its registers have no fixed size, so no struct can hold them.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/exact/prediction_highway.cpp"
@@ -28,7 +27,7 @@ using Numbers = hn::CappedTag<double, batch>;
 using Vec = hn::Vec<Numbers>;
 using Two = hn::FixedTag<double, 2>;
 
-/// Those that i may meet but for `apart`. Returns false where there may be too many.
+/// Collects the candidates of disk i, without `apart`. Returns false where there may be too many.
 HWY_INLINE bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   hn::FixedTag<Index, slots_per_cell> const cell;
   auto const other = hn::Set(cell, apart);
@@ -39,7 +38,7 @@ HWY_INLINE bool collect(PredictionInput const& s, Index i, Index apart, Candidat
       auto const names = hn::Load(cell, list.disks + k);
       hn::Store(hn::IfThenElse(hn::Eq(names, other), nobody, names), cell, candidates.disks + k);
     }
-    candidates.disks[Neighbours::most] = s.nobody;  // it was not a name but their number
+    candidates.disks[Neighbours::most] = s.nobody;  // this lane is not an index but the number of neighbours
     candidates.count = list.count;
     return list.has_all();
   }
@@ -66,7 +65,7 @@ HWY_INLINE hn::Vec<Two> side_by_side(double const* low, double const* high) {
   return hn::InterleaveLower(Two(), hn::Set(Two(), *low), hn::Set(Two(), *high));
 }
 
-/// One number of each disk of a register.
+/// Returns one quantity of each disk of a register.
 template <class NumberOf>
 HWY_INLINE Vec numbers_of(Index const* names, NumberOf number_of) {
 #if HWY_TARGET == HWY_AVX2
@@ -77,7 +76,7 @@ HWY_INLINE Vec numbers_of(Index const* names, NumberOf number_of) {
 #endif
 }
 
-/// Disks transposed from one line a disk to one register a quantity.
+/// Quantities of the disks of a batch, one register each, transposed from one cache line for a disk.
 struct Columns {
   Vec x, y, velocity_x, velocity_y, event_time, last_hit;
 };
@@ -118,14 +117,14 @@ HWY_INLINE Columns columns_of(MovingDisk const* disks, Index const* names) {
 #endif
 }
 
-/// By how much a coordinate of a separation is to be moved to be the nearest image.
+/// Returns the shifts of coordinates of separations that lead to the nearest images.
 HWY_INLINE Vec shifts_to_nearest(Vec d, double side) {
   Numbers const tag;
   Vec const down = hn::IfThenElseZero(hn::Gt(d, hn::Set(tag, 0.5 * side)), hn::Set(tag, -side));
   return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Set(tag, side), down);
 }
 
-/// The numbers that all candidates of a disk have in common.
+/// The quantities that all candidates of a disk share.
 struct Self {
   MovingDisk const& disk;
   double now;
@@ -133,8 +132,8 @@ struct Self {
   bool needs_images;
 };
 
-/// When each of the disks of a register touches; never where it does not before its own event. Tells whether some part
-/// so slowly that growth can overtake them.
+/// Returns for each disk of a register the time of contact, or `never` where there is none before its own event. Sets
+/// `has_slow_ones` where a disk parts so slowly that growth can overtake the pair.
 template <bool grows>
 HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const* names, bool& has_slow_ones) {
   Numbers const tag;
@@ -179,7 +178,7 @@ HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const*
   return hn::IfThenElse(meets, time, infinite);
 }
 
-/// The first of `best` and the contacts with the candidates.
+/// Returns the first event among `best` and the contacts with the candidates.
 template <bool grows>
 HWY_INLINE Prediction earliest_of(PredictionInput const& s, Index i, double now, Candidates const& candidates,
                                   Prediction best) {
@@ -206,7 +205,7 @@ HWY_INLINE Prediction earliest_of(PredictionInput const& s, Index i, double now,
   return best;
 }
 
-/// Beside a disk that i has just collided with.
+/// Predicts for disk i, which has just collided with `apart`.
 template <bool grows>
 HWY_INLINE Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart,
                                      Candidates const& candidates) {
@@ -214,7 +213,7 @@ HWY_INLINE Prediction predict_beside(PredictionInput const& s, Index i, double n
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-/// Predicts for a disk with many candidates; `apart` is no disk where it has not just collided with any.
+/// Predicts for a disk with many candidates. `apart` is the disk it has just collided with, or no_disk.
 template <bool grows>
 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
   Prediction const best = earliest_of_many(s, i, apart, predict_any_border<grows>(s, i, now),
@@ -241,7 +240,7 @@ PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double n
     return {fits_i ? predict_beside<grows>(s, i, now, j, around_i) : predict_among_many<grows>(s, i, now, j),
             fits_j ? predict_beside<grows>(s, j, now, i, around_j) : predict_among_many<grows>(s, j, now, i)};
   }
-  // Each returned as it is made: a copy would be read before it is written.
+  // Each prediction is returned as it is made: a copy would be read before its writes are done.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }
 

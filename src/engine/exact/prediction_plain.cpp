@@ -5,14 +5,14 @@
 #include "engine/exact/candidates.hpp"
 #include "engine/exact/earliest_contact.hpp"
 
-// Plain C++ without a branch for each candidate, which compilers make registers of two numbers of where they can: twice
-// as fast as the reference.
+// This kernel is plain C++ without a branch for each candidate. Compilers turn its loops into vector instructions where
+// they can; it is twice as fast as the reference kernel.
 
 namespace gridlock::exact {
 
 namespace {
 
-/// The columns of a batch of candidates.
+/// Quantities of a batch of candidates, one array each.
 struct Columns {
   double x[batch];
   double y[batch];
@@ -22,10 +22,10 @@ struct Columns {
   double last_hit[batch];
   double radii[batch];
   double time[batch];
-  double squared_parting[batch];  ///< negative where growth can overtake the two
+  double squared_parting[batch];  ///< negative where growth can overtake the pair
 };
 
-/// Those that i may meet but for `apart`. Returns false where there may be too many.
+/// Collects the candidates of disk i, without `apart`. Returns false where there may be too many.
 bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   if (s.neighbours != nullptr) {
     Neighbours const& list = s.neighbours[i];
@@ -48,7 +48,7 @@ bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
     for (std::size_t k = 0; k < 3 * slots_per_cell; k += slots_per_cell) {
       consider(run[k]);
       consider(run[k + 1]);
-      // The first slots of a cell are the ones in use, and few cells hold more than two disks.
+      // The used slots of a cell are the first ones, and few cells hold more than two disks.
       if (run[k + 2] == no_disk) [[likely]]
         continue;
       consider(run[k + 2]);
@@ -60,11 +60,11 @@ bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
   return true;
 }
 
-/// Separation at the zero of time from the nearest image; sides are infinite where there are none.
+/// Returns the separation, at the start of the epoch, from the image nearest now; sides are infinite between walls.
 inline double nearest(double d, double w, double now, double side) { return d + shift_to_nearest(d + w * now, side); }
 
-/// When each of the disks touches; never where it does not before its own event. Returns whether some part so slowly
-/// that growth can overtake them.
+/// Finds the time of contact of each disk, or `never` where there is none before its own event. Returns whether a disk
+/// parts so slowly that growth can overtake the pair.
 template <bool grows, bool needs_images>
 bool find_times(PredictionInput const& s, Index i, double now, Columns& columns) {
   MovingDisk const self = s.disks[i];
@@ -106,13 +106,13 @@ bool find_times(PredictionInput const& s, Index i, double now, Columns& columns)
   }
   bool has_slow_ones = false;
   if constexpr (grows) {
-    // By itself, or the loop above would not take registers.
+    // In a loop of its own, because compilers would not vectorize the loop above with it.
     for (double const a : columns.squared_parting) has_slow_ones |= a < 0.0;
   }
   return has_slow_ones;
 }
 
-/// The earliest of the times, and a bit for each that is as early.
+/// The earliest of the times, and a bit for each disk with this time.
 struct First {
   double time;
   unsigned bits;
@@ -129,7 +129,7 @@ inline First first_of(double const* times) {
   return {time, bits};
 }
 
-/// The first of `best` and the contacts with the candidates.
+/// Returns the first event among `best` and the contacts with the candidates.
 template <bool grows>
 Prediction earliest_of(PredictionInput const& s, Index i, double now, Candidates const& candidates, Prediction best) {
   double const radius = s.radius_of(i);
@@ -162,14 +162,14 @@ Prediction earliest_of(PredictionInput const& s, Index i, double now, Candidates
   return best;
 }
 
-/// Beside a disk that i has just collided with.
+/// Predicts for disk i, which has just collided with `apart`.
 template <bool grows>
 Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart, Candidates const& candidates) {
   Prediction const best = earliest_of<grows>(s, i, now, candidates, predict_any_border<grows>(s, i, now));
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-/// Predicts for a disk with many candidates; `apart` is no disk where it has not just collided with any.
+/// Predicts for a disk with many candidates. `apart` is the disk it has just collided with, or no_disk.
 template <bool grows>
 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
   Prediction const best = earliest_of_many(
@@ -196,7 +196,7 @@ PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double n
     return {fits_i ? predict_beside<grows>(s, i, now, j, around_i) : predict_among_many<grows>(s, i, now, j),
             fits_j ? predict_beside<grows>(s, j, now, i, around_j) : predict_among_many<grows>(s, j, now, i)};
   }
-  // Each returned as it is made: a copy would be read before it is written.
+  // Each prediction is returned as it is made: a copy would be read before its writes are done.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }
 

@@ -7,8 +7,8 @@
 
 namespace gridlock::exact {
 
-/// The lists and their cells are found again; when disks leave their places or, without lists, their cells is seen in
-/// the number of events.
+/// Serializes the places of lists, or the grid of cells. Lists and cells are computed again from them. They are saved
+/// because the times at which disks leave places or cells show in the number of events.
 void Dynamics::serialize_lists(Archive& archive) {
   std::vector<Index> const disks = disks_by_id_index();
   std::vector<std::uint64_t> cells{1, 1};
@@ -39,7 +39,7 @@ void Dynamics::serialize_lists(Archive& archive) {
   if (!has_lists()) restore_grid(archive, cells);
 }
 
-/// The cells of disks without lists.
+/// Restores the grid of disks without lists.
 void Dynamics::restore_grid(Archive const& archive, std::vector<std::uint64_t> const& cells) {
   constexpr std::uint64_t most = 46340;
   archive.require(cells.size() == 2 && cells[0] >= 1 && cells[1] >= 1 && cells[0] <= most && cells[1] <= most,
@@ -53,7 +53,7 @@ void Dynamics::restore_grid(Archive const& archive, std::vector<std::uint64_t> c
   size_classes_.push_back({largest_radius_, std::move(grid)});
 }
 
-/// Which cell each disk is in. Contract: the disks have been restored.
+/// Restores the cell of each disk. Contract: the disks have been restored.
 void Dynamics::restore_cells(Archive const& archive, SavedDisks const& saved) {
   if (has_lists()) {
     for (Index i = 0; i < size_; ++i) {

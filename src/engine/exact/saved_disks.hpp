@@ -10,10 +10,10 @@
 
 namespace gridlock::exact {
 
-/// The disks of a dynamics by id index, in columns: how they outlive the process.
+/// The disks of a dynamics in a checkpoint: one column for each quantity, in the order of id indices.
 struct SavedDisks {
   std::vector<double> x, y, velocity_x, velocity_y, event_time, last_hit;
-  std::vector<std::uint32_t> partner;  ///< by id index, or a border
+  std::vector<std::uint32_t> partner;  ///< id index of the partner, or a border
   std::vector<std::uint32_t> partner_collision_count, collision_count;
   std::vector<std::int32_t> column, row, image_x, image_y;
 
@@ -35,7 +35,7 @@ struct SavedDisks {
     archive.visit("image_y", image_y);
   }
 
-  /// Whether there are `disks` of everything.
+  /// Returns whether every column has `disks` entries.
   [[nodiscard]] bool has_size(std::size_t disks) const {
     auto const fits = [disks](auto const&... columns) { return ((columns.size() == disks) && ...); };
     return fits(x, y, velocity_x, velocity_y, event_time, last_hit, partner, partner_collision_count, collision_count,

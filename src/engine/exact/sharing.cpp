@@ -8,11 +8,12 @@ namespace gridlock::exact {
 
 namespace {
 
-/// By how much strips become more careful when one has found its copies wrong, and less with each good window.
+/// Factors of the caution after a window in which copies went wrong, and after a good window.
 constexpr double more_caution = 1.2;
 constexpr double less_caution = 0.99;
 constexpr double max_caution = 5.0;
-/// Beyond so many hits of a disk an epoch may have to be cut at an exact moment, which one thread finds.
+/// Largest number of hits of a disk in an epoch that threads share. With more, the epoch may have to end early at an
+/// exact time, which only one thread finds.
 constexpr std::uint64_t max_hits_in_shared_epoch = 512;
 
 }  // namespace
@@ -38,7 +39,7 @@ bool Dynamics::share_epoch(double hits_per_time, bool is_sort_due) {
 
 double Dynamics::window() const { return strips_ != nullptr ? strips_->plan().window : 0.0; }
 
-/// Keeps wrong copies a diameter or three away from those that count.
+/// Adapts the caution so that wrong copies stay one to three diameters away from the copies that are compared.
 void Dynamics::adapt_caution(double slack) {
   if (slack < 0.8) sharing_.caution *= 1.0 + 0.03 * (0.8 - slack);
   if (slack > 1.4) sharing_.caution = std::max(0.5, sharing_.caution * less_caution);
@@ -82,12 +83,12 @@ Dynamics::End Dynamics::run_shared(double elapsed, std::uint64_t pair_collisions
     if (should_continue && !should_continue()) return End::early;
     return End::sharing;
   }
-  // Where nothing is left to happen, one thread would go on to the next epoch too.
+  // Without further events the epoch is over, as it would be with one thread.
   if (!strips_->has_events()) return End::epoch;
   return End::time;
 }
 
-/// One thread goes on from where the strips are.
+/// Continues on one thread from the time that the strips have reached.
 void Dynamics::end_sharing() {
   double const time = strips_->time();
   strips_ = nullptr;
@@ -100,7 +101,7 @@ void Dynamics::end_sharing() {
 
 std::uint64_t Dynamics::events_made() const { return strips_ != nullptr ? strips_->events_made() : calendar_.made(); }
 
-/// Until the run is to stop at a collision, or to look for overlaps.
+/// Returns the number of pair collisions until the run must stop or an audit is due.
 std::uint64_t Dynamics::collisions_to_go(std::uint64_t pair_collisions, std::uint64_t audit_every,
                                          Counters const& counters) {
   std::uint64_t const done = counters.pair_collisions;

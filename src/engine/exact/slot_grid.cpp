@@ -7,11 +7,11 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Wide loads may read this far behind the last slot.
+/// Number of slots behind the last that wide loads may read.
 constexpr std::size_t slack = 32;
 
 double margin_of(int count, double side, double reach) {
-  // A hair for rounding.
+  // The second term covers rounding.
   return std::max(0.0, 0.5 * (side / count - reach) - 1e-6 * side / count);
 }
 
@@ -54,7 +54,7 @@ void SlotGrid::erase(Index disk, std::int32_t column, std::int32_t row) {
   Index* const first = slots_.data() + first_slot_of(column, row);
   Index* const found = std::find(first, first + capacity_, disk);
   assert(found != first + capacity_);
-  // The last of the cell takes its place: the first slots of a cell are the ones in use.
+  // The last disk of the cell moves to the freed slot, so that the used slots stay the first ones.
   Index* const end = std::find(found, first + capacity_, no_disk);
   *found = *(end - 1);
   *(end - 1) = no_disk;
@@ -68,7 +68,7 @@ void SlotGrid::rename(std::vector<Index> const& new_number) {
 }
 
 void SlotGrid::copy_to_ghosts(std::int32_t column, std::int32_t row) {
-  // Each image of the cell that lies in the ring of ghosts; in a box one cell wide it has images on both sides.
+  // Writes each image of the cell in the ring of ghosts; in a box one cell wide a cell has images on both sides.
   Index const* const original = slots_.data() + first_slot_of(column, row);
   for (std::int32_t const r : {row - rows_, row, row + rows_}) {
     for (std::int32_t const c : {column - columns_, column, column + columns_}) {

@@ -15,7 +15,7 @@
 
 namespace gridlock::exact {
 
-/// A grid whose cells hold the numbers of their disks in a few fixed slots, so that the candidates of a prediction are
+/// A grid whose cells hold the indices of their disks in a few fixed slots, so that the candidates of a prediction are
 /// three short runs of memory.
 ///
 ///     ┌────┬────┬────┬────┐   one row of slots: 3 cells × 4 slots = 48 bytes in a run
@@ -23,51 +23,51 @@ namespace gridlock::exact {
 ///     └────┴────┴────┴────┘   periodic box, empty behind a wall; no search has to look where the box ends.
 ///
 /// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or
-/// cells larger, a cell that runs full doubles the slots of all.
+/// cells larger, a cell that runs full doubles the slots of all cells.
 ///
-/// A disk may go on to belong to a cell that it has left, up to a margin beyond its borders, so that one that soon
-/// comes back crosses none.
+/// A disk may belong to a cell after it has left it, up to a margin beyond the border, so that a disk that soon comes
+/// back causes no events.
 ///
-///     ┌╌╌╌╌╌╌╌╌╌╌╌┐      centres of two disks that touch are no more than `reach` apart: with margins of half of what cells are
-///     ╎ ┌───────┐ ╎      wider than that, each is still in the 3×3 cells around the other. There are none at the edges of the box,
-///     ╎ │ cell  │ ╎      where coordinates change.
-///     ╎ └───────┘ ╎
+///     ┌╌╌╌╌╌╌╌╌╌╌╌┐      Centres of two disks that touch are no more than `reach` apart. Cells are wider than
+///     ╎ ┌───────┐ ╎      that, and the margin is half of the excess: so each disk still belongs to one of the
+///     ╎ │ cell  │ ╎      3×3 cells around the other. There is no margin at the edges of the box, where
+///     ╎ └───────┘ ╎      coordinates change.
 ///     └╌╌╌╌╌╌╌╌╌╌╌┘ ◄─ limits
 ///
 /// Cost: insert, erase O(slots per cell).
 class SlotGrid {
  public:
   SlotGrid() = default;
-  /// Without a reach disks belong to the cells in which they are.
+  /// Without `reach` disks belong to the cells in which they are.
   SlotGrid(CellLayout const& layout, Box const& box, double reach = std::numeric_limits<double>::infinity());
 
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
-  /// Between which coordinates a disk belongs to column c: 2c is the place of the lower limit, 2c + 1 that of the
-  /// upper; the same for rows.
+  /// Limits of the columns to which disks belong: entry 2c is the lower x of column c, 2c + 1 the upper; likewise for
+  /// rows.
   [[nodiscard]] double const* column_limits() const { return column_limits_.data(); }
   [[nodiscard]] double const* row_limits() const { return row_limits_.data(); }
-  /// How far a disk may be from the cell that it belongs to, in x or y.
+  /// Largest distance of a disk from the cell that it belongs to, in x or y.
   [[nodiscard]] double largest_margin() const { return largest_margin_; }
-  /// A disk beyond the edge of a periodic box by rounding has not crossed it yet: it belongs to the last cell before.
+  /// Returns the column of x; the last one for a disk that is beyond the edge of a periodic box by rounding.
   [[nodiscard]] std::int32_t column_of(double x) const { return index_of(x * layout_.columns_per_length(), columns_); }
   [[nodiscard]] std::int32_t row_of(double y) const { return index_of(y * layout_.rows_per_length(), rows_); }
 
-  /// Of a place, which may be outside a periodic box.
+  /// Returns the cell of the image in the box of a position outside it.
   [[nodiscard]] Cell cell_of_image(Vector place) const { return {layout_.column_of(place.x), layout_.row_of(place.y)}; }
 
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
-  /// Slots from one row of cells to the next.
+  /// Number of slots from one row of cells to the next.
   [[nodiscard]] std::size_t row_stride() const { return stride_ * capacity_; }
   [[nodiscard]] Index const* slots() const { return slots_.data(); }
-  /// The slots of a cell; column −1 and `columns`, row −1 and `rows` are the ghosts. Behind the last slot there
-  /// are more than a vector register of empty ones, so that wide loads stay in bounds.
+  /// The slots of a cell. Column −1 and column `columns`, row −1 and row `rows` are the ghosts. Behind the last slot
+  /// there are more empty slots than a register has lanes, so that wide loads stay in bounds.
   [[nodiscard]] Index const* slots_of(std::int32_t column, std::int32_t row) const {
     return slots_.data() + first_slot_of(column, row);
   }
 
-  /// Calls visit(slots) for all slots of the cells that have a point between `lower` and `upper`, or an image of one:
-  /// for runs of memory, each once. Of no cell beyond walls.
+  /// Calls visit(slots) once for each run of slots of the cells that have a point, or an image of a point, between
+  /// `lower` and `upper`. There are no cells beyond walls.
   template <class Visit>
   void for_each_run(Vector lower, Vector upper, Visit visit) const {
     Range const columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_);
@@ -88,7 +88,7 @@ class SlotGrid {
   }
   void insert(Index disk, std::int32_t column, std::int32_t row);
   void erase(Index disk, std::int32_t column, std::int32_t row);
-  /// Disk i is called new_number[i] from now on.
+  /// Changes the index of every disk i to new_number[i].
   void rename(std::vector<Index> const& new_number);
 
  private:

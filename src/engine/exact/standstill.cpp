@@ -11,20 +11,19 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Events between two judgements: many for each disk, and a few tenths of a second.
+/// Events between two checks: many for each disk, a few tenths of a second of computing.
 constexpr std::uint64_t min_events = std::uint64_t{1} << 20;
 constexpr std::uint64_t events_per_disk = 16;
 
-/// A free flight of fewer last digits of a coordinate is none. Wedged disks fly for hundredths of one, jammed ones for
-/// all those of the gaps that growth.cpp allows.
+/// Free flights shorter than this count as none, in units of the last digit of a coordinate. Wedged disks fly for
+/// hundredths of it; jammed ones for as much as growth.cpp leaves in a gap.
 constexpr double digits_per_flight = 1.0;
 
 }  // namespace
 
-/// Disks wedged between walls or in closed rows can collide infinitely often in finite time (Zeno behaviour). A stall
-/// is reported where a disk was hit so often that between hits it moved by no more than the last digits of its
-/// coordinates: shorter flights cannot be computed. The hits of each disk are counted only once all events together
-/// come that fast.
+/// Throws RunFailure for a stall. Disks wedged between walls or in closed rows can collide infinitely often in finite
+/// time (Zeno behaviour). A stall is a disk that moves by no more than the last digits of its coordinates between hits:
+/// shorter flights cannot be computed. Hits of each disk are counted only once events as a whole come that fast.
 void Dynamics::require_time_to_pass() {
   if (++watch_.looks * events_per_look < std::max<std::uint64_t>(min_events, events_per_disk * size_)) return;
   double const passed = watch_.passed + (now_ - watch_.now);

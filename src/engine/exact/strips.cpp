@@ -9,29 +9,28 @@ namespace gridlock::exact {
 
 namespace {
 
-/// In a window each disk is hit about so often: in a longer one wrong copies come further, in shorter ones copies are
-/// renewed more often.
+/// Hits of each disk in a window. In longer windows errors of copies spread further; in shorter ones renewing costs
+/// more.
 constexpr double window_hits = 3.0;
-/// How deep wrong copies come: some diameters at once, and so many for each hit of a disk. Measured are 4 + 1.2 per hit
-/// at φ = .70 and .85, and 3.5 + 2.2 at .30, where mean free paths are half a diameter.
+/// The depth to which errors of copies spread: some diameters at once, and more diameters and mean free paths for each
+/// hit. Measured are 4 + 1.2 per hit at φ = .70 and .85, and 3.5 + 2.2 at .30, where a mean free path is half a
+/// diameter.
 constexpr double diameters_at_once = 3.0;
 constexpr double diameters_per_hit = 1.2;
 constexpr double paths_per_hit = 2.4;
-/// How near to each other disks on both sides of a border come that have been further apart: some diameters and mean
-/// free paths.
+/// The distance within which disks on both sides of a border may meet in a window, in diameters and in mean free paths.
 constexpr double diameters_checked = 1.5;
 constexpr double paths_in_window = 11.0;
-/// How far disks come in an epoch.
+/// The distance that disks move in an epoch, in mean free paths.
 constexpr double paths_in_epoch = 17.0;
-/// The cost of a strip beside its disks' flight, as part of it: copies of records, comparisons, waiting.
+/// The cost of sharing relative to that of the disks' flight: copying records, comparing, waiting.
 constexpr double cost_of_sharing = 0.12;
-/// Strips that would not be so many times as fast as one thread do not pay.
+/// Least speed-up over one thread at which strips are used.
 constexpr double min_gain = 1.42;
-/// The height of a strip, in the depth of copies: only strips beside each other meet, and each disk has one copy in a
-/// strip at most.
+/// Least height of a strip, in depths of its copies, so that only adjacent strips meet and share a disk at most once.
 constexpr double min_height = 2.0;
 
-/// Bit by bit: −0 is not 0.
+/// Compares the bits of two motions: −0 is not 0.
 bool is_same_motion(MovingDisk const& a, MovingDisk const& b) {
   auto const bits_of = [](MovingDisk const& disk) {
     return std::bit_cast<std::array<std::uint64_t, 5>>(
@@ -40,7 +39,7 @@ bool is_same_motion(MovingDisk const& a, MovingDisk const& b) {
   return bits_of(a) == bits_of(b);
 }
 
-/// Merges what happened in a strip into what happened in others, in the order of time.
+/// Merges the events counted in one strip into those of other strips, in the order of time.
 void merge(std::vector<Strip::Counted>& merged, std::span<Strip::Counted const> more) {
   if (more.empty()) return;
   std::vector<Strip::Counted> before;
@@ -52,7 +51,7 @@ void merge(std::vector<Strip::Counted>& merged, std::span<Strip::Counted const> 
   Strip::Counted const* const end_of_a = a + before.size();
   Strip::Counted const* const end_of_b = b + more.size();
   while (a != end_of_a && b != end_of_b) {
-    // Which is first is a coin toss: without a branch.
+    // Chosen without a branch, because a processor cannot guess which event is first.
     bool const is_a = a->time < b->time;
     *out++ = *(is_a ? a : b);
     a += is_a ? 1 : 0;
@@ -75,7 +74,7 @@ double Strip::height_of(Index i, double time) const {
   return height + (height < -0.5 * period_ ? period_ : down);
 }
 
-/// How far a copy is from where the disks of the strip were when the window began.
+/// The distance of a copy from the heights that the disks of the strip had when the window began.
 double Strip::depth_of(Index copy, double time) const {
   double const height = height_of(copy, time);
   return std::max(height - extent_.highest, extent_.lowest - height);
@@ -85,7 +84,7 @@ void Strip::copy(Flight const& whole, Index i) {
   MovingDisk const& disk = whole.disks_[original_[i]];
   std::uint32_t const count = disks_[i].collision_count + 1;
   disks_[i] = disk;
-  disks_[i].collision_count = count;  // whoever waits for a collision with it looks again
+  disks_[i].collision_count = count;  // predictions of a collision with the copy become void
   disks_[i].partner = vertical_border;
   disks_[i].event_time = never;
 }
@@ -117,7 +116,7 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
   extent_ = {};
   marks_.assign(size_, 0);
   heights_.resize(own_);
-  double const hair = 1e-6 * plan.checked;  // less than what the strips beside take, for heights are rounded
+  double const hair = 1e-6 * plan.checked;  // heights are rounded: a strip marks no disk that the strip beside lacks
   for (Index i = 0; i < own_; ++i) {
     double const y = height_of(i, time);
     heights_[i] = y;
@@ -133,7 +132,7 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
   choose_fetching();
   refresh_prediction_input();
   predict_all(time);
-  // Nobody has flown yet, so the copies beyond reach are as good as the others: they go with the first window.
+  // No disk has flown yet, so the copies beyond `reach` are still right; the first window uses them too.
   expected_events_ = static_cast<std::uint64_t>(static_cast<double>(whole.expected_events_) *
                                                 (static_cast<double>(size_) / static_cast<double>(whole.size_)));
   open_calendar();
@@ -160,7 +159,7 @@ void Strip::prepare(Flight const& whole, Extent const& below, Extent const& abov
   last_event_ = -never;
 }
 
-/// Copies that flew wrongly go on as their originals do.
+/// Replaces copies that have gone wrong by their originals.
 void Strip::renew_copies(Flight const& whole, double time) {
   renewed_.clear();
   for (auto i = static_cast<Index>(own_); i < size_; ++i) {
@@ -211,7 +210,7 @@ struct Strip::Observer {
     if ((strip.marks_[copy] & is_checked) == 0) strip.is_wrong_ = true;
     strip.note(own, strip.height_of(own, strip.now_));
     ++strip.own_hits_;
-    // One of the two strips that see it counts it.
+    // Two strips see this collision; the one that owns the lower Id counts it.
     if (strip.disks_[own].id_index < strip.disks_[copy].id_index) strip.counted_[0].push_back({strip.now_, virial});
   }
   void wall_hit(Index i, Side wall, double impulse) {
@@ -227,7 +226,7 @@ struct Strip::Observer {
 void Strip::fly(double start, double end) {
   end_ = end;
   Observer observer{*this};
-  // Bound for the events of a strip in a window: disks that collide without end are left to one thread.
+  // Largest number of events of a strip in a window: disks that collide without end are left to one thread.
   std::uint64_t const max_events = 1000 * size_ + 100'000;
   double const narrowing = end > start ? (plan_.reach - plan_.flown) / (end - start) : 0.0;
   for (std::uint64_t events = 0; !is_wrong_; ++events) {
@@ -239,7 +238,7 @@ void Strip::fly(double start, double end) {
       ++moves_;
       last_event_ = now_;
     } else if ((marks_[i] & is_checked) == 0 && depth_of(i, now_) > plan_.flown + narrowing * (end - now_)) {
-      // Too far away to matter before the end of the window.
+      // The copy is too far away to matter before the end of the window.
       disks_[i].event_time = -never;
       continue;
     }
@@ -354,8 +353,8 @@ bool Strips::fly(Flight& whole, double end, Counters& counters) {
   return true;
 }
 
-/// Whether disks of two strips that have not been compared were too far from each other to meet; and whether no disk
-/// has gone so far that it could have met those of a strip further away.
+/// Returns whether uncompared disks of two adjacent strips were too far apart to meet, and whether no disk moved so far
+/// that it could have met disks of a strip further away.
 bool Strips::are_apart(std::size_t below, std::size_t above) const {
   double const height = height_ / static_cast<double>(strips_.size());
   Strip const& lower = strips_[below];
@@ -365,8 +364,8 @@ bool Strips::are_apart(std::size_t below, std::size_t above) const {
          lower.highest_unchecked() + contact_ < upper.been().lowest + height;
 }
 
-/// Sums go through the events in the order in which one thread would: rounding depends on it. Events at the very same
-/// time are left to one thread.
+/// Adds the events of the window to the counters in the order of time, as one thread would, because sums depend on the
+/// order by rounding. Returns false for events at exactly the same time: one thread must order them.
 bool Strips::count_window(double start, double end, Counters& counters) {
   std::size_t const slices = threads_.size();
   slices_.resize(slices);
@@ -374,7 +373,7 @@ bool Strips::count_window(double start, double end, Counters& counters) {
   Counters sum = counters;
   for (std::size_t kind = 0; kind < Strip::kinds_of_counts; ++kind) {
     if (std::ranges::all_of(strips_, [&](Strip const& strip) { return strip.has_none(kind); })) continue;
-    // Each thread merges a slice of the window.
+    // Each thread merges the events of a part of the window.
     threads_.for_each(slices, [&](std::size_t slice) {
       auto const time_at = [&](std::size_t k) {
         if (k == 0) return -never;

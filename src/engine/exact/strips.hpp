@@ -13,17 +13,17 @@
 
 namespace gridlock::exact {
 
-/// How a box is cut into strips, one above the other.
+/// The division of a box into strips, one above the other. Depths are distances from a strip's own disks.
 struct StripPlan {
-  std::size_t count = 0;  ///< of strips; 0: they do not pay
-  double window = 0.0;    ///< the time for which they fly apart
-  double checked = 0.0;   ///< how deep the copies are compared that each has of its neighbours' disks
-  double flown = 0.0;     ///< how deep they fly up to the end of a window
-  double reach = 0.0;     ///< how deep they are right when a window begins
-  double margin = 0.0;    ///< how far disks may get in an epoch: so much deeper are there copies
+  std::size_t count = 0;  ///< number of strips; 0 where one thread is faster
+  double window = 0.0;    ///< time for which strips fly independently
+  double checked = 0.0;   ///< depth up to which a strip's copies are compared with their originals
+  double flown = 0.0;     ///< depth up to which copies fly at the end of a window
+  double reach = 0.0;     ///< depth up to which copies are right when a window begins
+  double margin = 0.0;    ///< largest displacement of a disk in an epoch, by which copies are deeper than `reach`
 };
 
-/// The lowest and the highest of some heights.
+/// The lowest and the highest of a set of heights.
 struct Extent {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -std::numeric_limits<double>::infinity();
@@ -34,39 +34,37 @@ struct Extent {
   }
 };
 
-/// The disks of a strip, which fly here alone, and copies of those around it, which fly here and in their own strip.
+/// The disks that a strip owns, and copies of the disks around it, which other strips own.
 ///
-/// Disks beyond the copies are not there, so that the outermost fly wrongly, and those they hit, and so on inwards:
-/// disk by disk, as slowly as disks collide. As long as no copy that a disk of the strip may meet has been reached, the
-/// strip is right. Heights are counted from the middle of the strip, to the nearest image.
-class alignas(128) Strip final : public Flight {  // no two share a cache line
+/// Disks beyond the copies are missing, so that the outermost copies fly wrongly, then those they hit, and so on
+/// inwards, disk by disk. The strip's own disks are right as long as no copy that they may meet has gone wrong. Heights
+/// are counted from the middle of the strip, to the nearest image.
+class alignas(128) Strip final : public Flight {  // aligned, so that no two strips share a cache line
  public:
   explicit Strip(Box const& box) : Flight(box) {}
 
-  /// Takes its disks and copies from the whole, as they are at this time; `owner` and `place` are told where the disks
-  /// of the strip are.
+  /// Copies its disks and those around from `whole`; writes this strip to `owner` and the index here to `place` of each
+  /// own disk.
   void load(Flight const& whole, StripPlan const& plan, std::size_t self, double time,
             std::vector<std::uint16_t>& owner, std::vector<Index>& place);
-  /// Says how high its disks reach at the start of a window; then, when all have said so, gets ready for it.
+  /// The heights of its disks at the start of a window; prepare() needs those of the adjacent strips.
   [[nodiscard]] Extent const& extent() const { return extent_; }
   void prepare(Flight const& whole, Extent const& below, Extent const& above, double time);
   /// Flies to the end of the window.
   void fly(double start, double end);
-  /// Returns whether each copy of another strip's disk that took part in events here moved as the disk itself did. To
-  /// be called when every strip has flown.
+  /// Returns whether copies that took part in events here moved as their originals. Contract: every strip has flown.
   [[nodiscard]] bool agrees_with(std::vector<Strip> const& strips, std::vector<std::uint16_t> const& owner,
                                  std::vector<Index> const& place);
-  /// Copies the disks that this strip owns into `whole`, which has those of all strips.
+  /// Copies the disks that this strip owns to `whole`.
   void hand_over(Flight& whole) const;
 
-  /// An event of its disks in the window that is counted: a collision of two with its virial, or a hit of a wall with
-  /// its impulse.
+  /// An event of the strip's disks that is counted: a pair collision with its virial, or a wall hit with its impulse.
   struct Counted {
     double time;
     double amount;
   };
-  static constexpr std::size_t kinds_of_counts = 5;  ///< collisions, and hits of each wall
-  /// Those from `start` on and before `end`, in the order of time.
+  static constexpr std::size_t kinds_of_counts = 5;  ///< pair collisions, and hits of each of the four walls
+  /// Returns the events of one kind from `start` on and before `end`, in the order of time.
   [[nodiscard]] std::span<Counted const> counted(std::size_t kind, double start, double end) const;
   [[nodiscard]] bool has_none(std::size_t kind) const { return counted_[kind].empty(); }
   [[nodiscard]] std::uint64_t moves() const { return moves_; }
@@ -74,23 +72,22 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   [[nodiscard]] std::uint64_t events_made() const { return calendar_.made(); }
   [[nodiscard]] double last_event() const { return last_event_; }
   [[nodiscard]] bool has_events() { return next_event() != nullptr; }
-  /// How much deeper than those that count were the copies that went wrong.
+  /// The smallest depth of a wrong copy minus the depth of the copies that are compared.
   [[nodiscard]] double slack() const { return slack_; }
 
-  /// Where in the window its disks have been: all, and those that the copies compared by the strips below and above are
-  /// not of.
+  /// The heights at which its disks were in the window; below, of disks that the adjacent strips do not compare.
   [[nodiscard]] Extent const& been() const { return been_; }
   [[nodiscard]] double lowest_unchecked() const { return lowest_unchecked_; }
   [[nodiscard]] double highest_unchecked() const { return highest_unchecked_; }
 
  private:
   struct Observer;
-  // Marks of a disk of the strip: the strip below has a copy, and compares it after the window.
+  // Marks of a disk. The strip below has a copy of it, and compares the copy after the window; the same above.
   static constexpr std::uint8_t copied_below = 1;
   static constexpr std::uint8_t copied_above = 2;
   static constexpr std::uint8_t checked_below = 4;
   static constexpr std::uint8_t checked_above = 8;
-  static constexpr std::uint8_t is_checked = 16;  ///< of a copy
+  static constexpr std::uint8_t is_checked = 16;  ///< mark of a copy that is compared
 
   [[nodiscard]] double height_of(Index i, double time) const;
   [[nodiscard]] double depth_of(Index copy, double time) const;
@@ -99,16 +96,16 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   void copy(Flight const& whole, Index i);
 
   double middle_ = 0.0;
-  double period_ = 0.0;          // of heights; infinity between walls
-  std::size_t own_ = 0;          // disks; behind them the copies
-  std::vector<Index> original_;  // in the whole
+  double period_ = 0.0;          // height of the periodic box; infinity between walls
+  std::size_t own_ = 0;          // number of own disks; copies follow behind them
+  std::vector<Index> original_;  // index in the whole
   std::vector<std::uint8_t> marks_;
-  std::vector<double> heights_;  // of its disks where a window begins or ends
+  std::vector<double> heights_;  // heights of own disks at the start or the end of a window
   std::vector<Index> renewed_;
   StripPlan plan_;
   Extent extent_;
 
-  // Of the window.
+  // Numbers of the present window:
   double end_ = 0.0;
   Extent been_;
   double lowest_unchecked_ = 0.0;
@@ -121,31 +118,31 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   double last_event_ = 0.0;
 };
 
-/// A flight shared among threads: the box is cut into strips, each of which flies by itself for a window of time.
+/// A flight shared among threads: the box is divided into strips that fly independently for a window of time.
 ///
-///     ──────────────── ┐             Before a window each strip takes copies of the disks near it. After it the copies that its
-///      strip 1         │ copies      disks may have met are compared with what became of the originals: the same bits mean that both
-///     ─ ─ ─ ─ ─ ─ ─ ─  ┤ of 1's      strips saw the same collisions. Then the window is good. Else it is given up, and one
-///      strip 0         │ in 0        thread flies it.
+///     ──────────────── ┐         Before a window each strip copies the disks near it. After the window the copies that
+///      strip 1         │ copies  its disks may have met are compared with the originals: the same bits mean that both
+///     ─ ─ ─ ─ ─ ─ ─ ─  ┤ of 1's  strips saw the same collisions, and the window is valid. Otherwise it is discarded,
+///      strip 0         │ in 0    and one thread flies it.
 ///
-/// The proof: take the first moment at which a disk in its own strip does what it would not do in the whole. Up to then
-/// all disks in their own strips were right, and so were all copies that agree with them at the end. At this moment it
-/// either meets a copy, which must be one of those compared, or does not meet a disk of which it had no such copy,
-/// which then was nearer than the two strips' unchecked disks have been to each other. Both are looked at. So bits do
-/// not depend on the strips.
+/// Proof: take the first time at which a disk in its own strip moves otherwise than it would in the whole. Until then
+/// all disks in their own strips were right, and so were all copies that agree with their originals at the end. At this
+/// time the disk either meets a copy, which then is one of those compared, or does not meet a disk of which the strip
+/// had no compared copy. That disk then was nearer than uncompared disks of the two strips ever came. Both cases are
+/// checked, so the bits do not depend on the strips.
 class Strips {
  public:
   explicit Strips(ThreadPool& threads) : threads_(threads) {}
 
-  /// How many of which height pay, for disks that are hit `hits_per_time` times each on average; `caution` widens
-  /// everything.
+  /// Returns the number and size of strips that are faster than one thread, for disks with `hits_per_time` hits each on
+  /// average; `caution` is a factor of all depths.
   static StripPlan plan(Flight const& whole, std::size_t threads, double hits_per_time, double caution,
                         bool wherever_possible);
 
-  /// Takes all disks.
+  /// Divides the disks of `whole` among strips.
   void begin(Flight const& whole, StripPlan const& plan, double time);
-  /// Flies to `end`, at most a window later, hands all disks back and counts what happened; or changes nothing and says
-  /// no.
+  /// Flies to `end`, at most a window later, writes all disks back and counts the events. Returns false, and changes
+  /// nothing, where the strips do not agree.
   [[nodiscard]] bool fly(Flight& whole, double end, Counters& counters);
 
   [[nodiscard]] double time() const { return time_; }
@@ -169,8 +166,8 @@ class Strips {
   bool is_periodic_ = false;
   std::vector<Strip> strips_;
   std::vector<std::vector<Strip::Counted>> slices_;
-  std::vector<std::uint16_t> owner_;  // of each disk of the whole
-  std::vector<Index> place_;          // in its strip
+  std::vector<std::uint16_t> owner_;  // strip that owns each disk of the whole
+  std::vector<Index> place_;          // index of each disk in the strip that owns it
 };
 
 }  // namespace gridlock::exact

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t origins_in_a_run = 16;
 constexpr std::size_t max_watched = 4096;
-constexpr double cage = 0.3;  // in mean diameters
+constexpr double cage = 0.3;  // radius of a cage in mean diameters
 
 double mean_diameter(State const& state) {
   double sum = 0.0;
@@ -19,14 +19,14 @@ double mean_diameter(State const& state) {
   return sum / static_cast<double>(state.agents.size());
 }
 
-/// Half as much again as the spacing of a triangular lattice, but no second image.
+/// Returns 1.5 spacings of a triangular lattice of this density, but no more than keeps second images away.
 double distance_of_neighbours(State const& state) {
   double const density = static_cast<double>(state.agents.size()) / state.box.area();
   double const distance = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
   return state.box.is_periodic() ? std::min(distance, 0.5 * std::min(state.box.width(), state.box.height())) : distance;
 }
 
-/// exp(6 i θ) of the direction of a vector that is not zero.
+/// Returns exp(6 i θ) for the angle θ of a vector that is not zero.
 Vector sixth_power_of_direction(Vector r) {
   double const squared = squared_length(r);
   double const c = (r.x - r.y) * (r.x + r.y) / squared;
@@ -34,7 +34,7 @@ Vector sixth_power_of_direction(Vector r) {
   return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
 }
 
-/// In their order, whatever the order of the grid.
+/// Finds the disks within `distance` of disk i, sorted, so that the grid does not show in the order of sums.
 void find_neighbours(SwapTrials const& trials, std::size_t i, double distance, std::vector<std::uint32_t>& found) {
   found.clear();
   Vector const p = trials.position(i);
@@ -56,7 +56,7 @@ Vector bond_orientation(SwapTrials const& trials, std::size_t i, std::vector<std
   return neighbours.empty() ? sum : (1.0 / static_cast<double>(neighbours.size())) * sum;
 }
 
-/// From the mean of some disks to disk i, edges of the box crossed or not.
+/// Returns the vector from the mean position of the neighbours to disk i, also across edges of the box.
 template <class Neighbours>
 Vector relative_position(SwapTrials const& trials, std::size_t i, Neighbours const& neighbours) {
   Vector sum;
@@ -75,7 +75,7 @@ Relaxation::Relaxation(State const& state, std::uint64_t sweeps)
       spacing_(std::max<std::uint64_t>(1, (sweeps + origins_in_a_run - 1) / origins_in_a_run)) {}
 
 bool Relaxation::is_short_lag(std::uint64_t lag) const {
-  // 2ⁿ and 3·2ⁿ
+  // The lags are 2ⁿ and 3·2ⁿ.
   while (lag % 2 == 0) lag /= 2;
   return lag == 1 || lag == 3;
 }
@@ -149,7 +149,7 @@ void Relaxation::serialize(Archive& archive, Origin& origin) {
 }
 
 void Relaxation::serialize(Archive& archive, std::size_t disks, std::uint64_t sweep) {
-  // Values that the settings and the start decide are not saved but for this, to which the sums belong.
+  // These two follow from settings and start. They are saved because the sums are valid for no other values.
   archive.visit("squared_cage", squared_cage_);
   archive.visit("neighbour_distance", neighbour_distance_);
   archive.require(disks == disks_, "the correlations are of another number of disks");

@@ -12,38 +12,38 @@
 
 namespace gridlock {
 
-/// The time correlations of a run of swap Monte Carlo.
+/// Time correlations of a run of swap Monte Carlo.
 ///
-/// Time origins are sixteen, a sixteenth of the run apart. Between two of them the disks are compared with the last
-/// origin after 1, 2, 3, 4, 6, 8, 12 … sweeps, at an origin with all earlier ones. So a relaxation time that fits ten
-/// times into the run comes from many origins, and measuring takes a few hundred looks, however long the run. Of many
-/// disks 4096 are watched.
+/// There are sixteen time origins, a sixteenth of the run apart. Between origins the disks are compared with the last
+/// origin after 1, 2, 3, 4, 6, 8, 12 … sweeps, at an origin with all earlier origins. So a relaxation time of a tenth
+/// of the run is averaged over many origins, at the cost of a few hundred comparisons for a run of any length. At most
+/// 4096 disks are compared.
 class Relaxation {
  public:
   Relaxation() = default;
-  /// For a run of so many sweeps of these disks.
+  /// Prepares for a run of `sweeps` sweeps of these disks.
   Relaxation(State const& state, std::uint64_t sweeps);
 
-  /// Called at the start of the run, sweep 0, and after every sweep.
+  /// Compares the disks with the time origins. Call it at the start of the run (sweep 0) and after every sweep.
   void look_at(SwapTrials const& trials, std::uint64_t sweep);
 
   [[nodiscard]] std::vector<SwapCorrelation> correlations() const;
 
-  /// After so many sweeps. Errors: Error where what is restored is not of such a run of so many disks.
+  /// Serializes the state after `sweep` sweeps. Errors: Error where the archive is of another run or number of disks.
   void serialize(Archive& archive, std::size_t disks, std::uint64_t sweep);
 
  private:
-  /// The state that is remembered of one time.
+  /// The state at a time origin.
   struct Origin {
     std::uint64_t sweep = 0;
     std::vector<std::uint32_t> first;  ///< neighbours of watched disk k: from first[k] to first[k + 1]
     std::vector<std::uint32_t> neighbours;
-    std::vector<double> relative_x;  ///< of a watched disk to the mean of its neighbours
+    std::vector<double> relative_x;  ///< x of each watched disk relative to the mean of its neighbours
     std::vector<double> relative_y;
-    std::vector<double> order_x;  ///< ψ6
+    std::vector<double> order_x;  ///< real part of ψ6
     std::vector<double> order_y;
   };
-  /// Sums over the origins that a lag has.
+  /// Sums for one lag over its origins.
   struct Sums {
     std::uint64_t lag = 0;
     std::uint64_t origins = 0;
@@ -60,15 +60,15 @@ class Relaxation {
   void require_restored(Archive const& archive, std::uint64_t sweep) const;
 
   std::size_t disks_ = 0;
-  std::size_t stride_ = 1;  ///< every disk whose number it divides is watched
+  std::size_t stride_ = 1;  ///< every stride_-th disk is watched
   double neighbour_distance_ = 0.0;
   double squared_cage_ = 0.0;
-  std::uint64_t spacing_ = 1;  ///< of the origins, in sweeps
+  std::uint64_t spacing_ = 1;  ///< sweeps from one origin to the next
   std::vector<Origin> origins_;
-  std::vector<Sums> sums_;  ///< in the order of their lags
+  std::vector<Sums> sums_;  ///< sums in the order of lags
 };
 
-/// Where a correlation that is 1 at lag 0 falls to 1/e, between two lags by a straight line; nothing where it does not.
+/// Returns the lag at which a correlation that is 1 at lag 0 falls to 1/e, interpolated linearly, if it does.
 std::optional<double> relaxation_time(std::vector<SwapCorrelation> const& correlations,
                                       double SwapCorrelation::*quantity);
 

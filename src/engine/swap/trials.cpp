@@ -43,8 +43,8 @@ void SwapTrials::write_back(State& state) const {
 
 SwapTrials::Trial SwapTrials::draw(Sweep const& sweep, std::uint64_t number) const {
   RandomStream random(seed_, sweep.number, number, Purpose::swap_trial);
-  // A product below N, since a number below 1 is at least 2⁻⁵³ below it. Which disks are likelier by 2⁻⁵³ does not
-  // matter: a trial and its reverse pick the same.
+  // The product is below N, since a number below 1 is at least 2⁻⁵³ below 1. Some disks are likelier by 2⁻⁵³, which
+  // does no harm: a trial and its reverse pick the same disks.
   auto const pick = [&] { return static_cast<std::uint32_t>(random.uniform() * static_cast<double>(disks_.size())); };
   Trial trial{.is_swap = random.uniform() < sweep.swap_fraction, .disk = pick(), .other = nobody, .displacement = {}};
   if (trial.is_swap) {
@@ -57,7 +57,7 @@ SwapTrials::Trial SwapTrials::draw(Sweep const& sweep, std::uint64_t number) con
 }
 
 void SwapTrials::take(Sweep const& sweep, SwapCounts& counts) {
-  // Trials are drawn some ahead, so that their disks have come from memory when it is their turn.
+  // Trials are drawn ahead, so that the records of their disks have arrived from memory when they are needed.
   constexpr std::uint64_t ahead = 16;
   std::array<Trial, ahead> trials;
   for (std::uint64_t first = 0; first < disks_.size(); first += ahead) {
@@ -83,7 +83,7 @@ void SwapTrials::displace(Trial const& trial, SwapCounts& counts) {
   Disk& disk = disks_[trial.disk];
   int image_x = disk.image_x;
   int image_y = disk.image_y;
-  // Wrapped first, because wrapping rounds: what is checked is what is kept.
+  // Wrapping rounds, so it comes first: the position that is checked must be the one that is kept.
   Vector const p = box_.wrap(disk.position + trial.displacement, image_x, image_y);
   if (!is_free({p, disk.radius, trial.disk, nobody})) return;
   disk.position = p;
@@ -98,7 +98,7 @@ void SwapTrials::swap(Trial const& trial, SwapCounts& counts) {
   double const other_radius = disks_[trial.other].radius;
   if (radius == other_radius) return;
   ++counts.swaps;
-  // The one that shrinks has room, and the sum of the two radii stays.
+  // The disk that shrinks cannot overlap, and the contact distance of the two does not change.
   auto const [grows, shrinks] =
       radius < other_radius ? std::pair(trial.disk, trial.other) : std::pair(trial.other, trial.disk);
   if (!is_free({disks_[grows].position, std::max(radius, other_radius), grows, shrinks})) return;
@@ -126,9 +126,9 @@ bool SwapTrials::is_free(Room const& room) const {
   float const limit = static_cast<float>(cutoff * cutoff * limit_per_area_) + limit_error_;
   std::array<int, 3> const columns{grid_.column_left_of(column), column, grid_.column_right_of(column)};
   std::array<int, 3> const rows{grid_.row_below(row), row, grid_.row_above(row)};
-  // A cell is at least as wide as the largest distance at contact, so three by three are enough. In a box of one or two
-  // columns a cell is seen more than once, as its images are. All are compared before the first disk is looked at,
-  // which keeps the processor from waiting for each.
+  // A cell is at least as wide as the largest contact distance, so the 3×3 block is enough. In a box of one or two
+  // columns a cell appears more than once, for its images. All positions are compared before any disk is read, so that
+  // the processor does not wait for the memory of each.
   std::array<PackedGrid::Block const*, 9> around;
   std::uint64_t near = 0;
   std::uint32_t next = PackedGrid::none;
@@ -139,7 +139,7 @@ bool SwapTrials::is_free(Room const& room) const {
     near |= std::uint64_t{bits_of(PackedGrid::is_near(block, seen, limit))} << (PackedGrid::slots * k);
     next &= block.next;
   }
-  // No way out at the first overlap: where it comes is hard to predict.
+  // The loop does not end at the first overlap, because a processor cannot guess where that comes.
   bool is_taken = false;
   for (; near != 0; near &= near - 1) {
     auto const bit = static_cast<std::size_t>(std::countr_zero(near));
@@ -164,7 +164,7 @@ bool SwapTrials::is_free_in_further_blocks(std::array<PackedGrid::Block const*, 
   return true;
 }
 
-/// A point as seen from cell k of the 3×3 block around its own, row by row from below left.
+/// Returns a point relative to cell k of the 3×3 block around its own cell, row by row from below left.
 PackedGrid::LocalPoint SwapTrials::seen_from(PackedGrid::LocalPoint here, std::size_t k) const {
   return {here.x - static_cast<float>(static_cast<int>(k % 3) - 1) * grid_.local_width(),
           here.y - static_cast<float>(static_cast<int>(k / 3) - 1) * grid_.local_height()};

@@ -18,18 +18,18 @@ class SwapTrials {
   explicit SwapTrials(State const& state);
 
   struct Sweep {
-    std::uint64_t number = 0;  ///< of all that have random numbers of their own
+    std::uint64_t number = 0;  ///< number of the sweep among all sweeps, which selects its random numbers
     double swap_fraction = 0.0;
-    double step = 0.0;  ///< the largest displacement along x and along y, at most half the shorter side
+    double step = 0.0;  ///< largest displacement along x and along y, at most half the shorter side
   };
-  /// N trial moves.
+  /// Makes N trial moves, where N is the number of disks.
   void take(Sweep const& sweep, SwapCounts& counts);
 
   void write_back(State& state) const;
 
   [[nodiscard]] std::size_t size() const { return disks_.size(); }
   [[nodiscard]] Vector position(std::size_t i) const { return disks_[i].position; }
-  /// Where the disk would be had it not been put back into a periodic box.
+  /// Returns the position of disk i without wrapping into the periodic box.
   [[nodiscard]] Vector unwrapped(std::size_t i) const {
     Disk const& disk = disks_[i];
     return {disk.position.x + disk.image_x * box_.width(), disk.position.y + disk.image_y * box_.height()};
@@ -44,26 +44,26 @@ class SwapTrials {
     std::int32_t image_x = 0;
     std::int32_t image_y = 0;
   };
-  /// The trial that the random numbers ask for.
+  /// A trial move drawn from random numbers.
   struct Trial {
     bool is_swap;
     std::uint32_t disk;
-    std::uint32_t other;  ///< of a swap
-    Vector displacement;  ///< of a displacement
+    std::uint32_t other;  ///< the other disk of a swap
+    Vector displacement;  ///< used unless the trial is a swap
   };
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
   [[nodiscard]] Trial draw(Sweep const& sweep, std::uint64_t number) const;
   void displace(Trial const& trial, SwapCounts& counts);
   void swap(Trial const& trial, SwapCounts& counts);
-  /// A disk of that radius at a place; two disks that it may overlap, itself and another.
+  /// A disk's position and radius in a trial, and two disks that it may overlap: itself and its partner in a swap.
   struct Room {
     Vector place;
     double radius;
     std::uint32_t disk;
     std::uint32_t other;
   };
-  /// Whether there is room for it.
+  /// Returns whether no disk but the excepted two overlaps `room`.
   [[nodiscard]] bool is_free(Room const& room) const;
   [[nodiscard]] bool is_free_in_further_blocks(std::array<PackedGrid::Block const*, 9> const& around,
                                                Room const& room) const;
@@ -74,7 +74,7 @@ class SwapTrials {
   Box box_;
   std::uint64_t seed_;
   std::vector<Disk> disks_;
-  std::vector<std::uint32_t> row_;  ///< in the state
+  std::vector<std::uint32_t> row_;  ///< row of each disk in the state
   double largest_radius_;
   PackedGrid grid_;
   double limit_per_area_;

@@ -14,13 +14,13 @@
 
 namespace gridlock {
 
-/// Asks for the memory of tiles to come, a little with each group of turns taken, so that memory is busy while the
-/// processor computes: a line from memory takes as long as three turns, but many may be requested at once.
+/// Prefetches the memory of coming tiles, a little with each group of turns, so that memory works while the processor
+/// computes: a cache line takes as long as three turns to arrive, but many can be on their way at once.
 ///
-///     tiles     now │ next │ after next
-///     asked for     │ their disks, by the blocks that have come │ their blocks
+/// tiles       now │ next │ after next
+///     prefetched      │ their disks, found in blocks that have arrived │ their blocks
 ///
-/// Only blocks of the next tiles and their rings are read, which no other thread touches in this round.
+/// It reads only blocks of the next tiles and their rings, which no other thread changes in this round.
 class FetchAhead {
  public:
   FetchAhead(PackedGrid const& grid, TurnView const& view, std::vector<std::uint32_t> const& id_indices,
@@ -31,7 +31,7 @@ class FetchAhead {
         id_indices_(id_indices.data()),
         is_worth_it_(view.disks.size() > few_disks) {}
 
-  /// The tiles that follow; advance() will be told of about `turns` turns before they are due.
+  /// Sets the tiles that follow. About `turns` turns will be reported to advance() before those tiles are due.
   void aim(std::span<std::uint32_t const> next, std::span<std::uint32_t const> after_next, std::size_t turns) {
     if (!is_worth_it_) return;
     disk_walk_ = {next};
@@ -39,13 +39,13 @@ class FetchAhead {
     cells_a_turn_ = std::max(cells_of(next), cells_of(after_next)) / (turns + 1) + 1;
   }
 
-  /// While so many turns are taken.
+  /// Prefetches as much as fits beside `turns` turns.
   void advance(std::size_t turns) {
     advance(disk_walk_, cells_a_turn_ * turns, [this](int column, int row) {
       PackedGrid::Block const& block = grid_.block_at(column, row);
-      // Empty slots name disks that were here before: asking for one too many costs less than a branch.
+      // Empty slots keep rows of disks that have left: an unneeded prefetch is cheaper than a branch.
       for (std::uint32_t const disk : block.agent) prefetch(&disks_[disk]);
-      // Sixteen to a line, and neighbours were side by side when the disks were sorted.
+      // One cache line holds sixteen of these, and disks of a cell had adjacent rows when they were sorted.
       grid_.prefetch(block.agent[0]);
       prefetch(&id_indices_[block.agent[0]]);
     });
@@ -54,7 +54,7 @@ class FetchAhead {
   }
 
  private:
-  /// A tile and its ring.
+  /// The cells of a tile and its ring.
   struct Area {
     int first_column = 0, end_column = 0, row = 0, end_row = 0;
 
@@ -75,7 +75,7 @@ class FetchAhead {
     return cells;
   }
 
-  /// Cell after cell of some tiles, those of `area` before those of `tiles`.
+  /// A walk cell by cell: the rest of `area` first, then the areas of `tiles`.
   struct Walk {
     std::span<std::uint32_t const> tiles;
     Area area{};
@@ -100,7 +100,7 @@ class FetchAhead {
     }
   }
 
-  /// That many disks and their blocks stay in the caches from step to step, some 3 MB.
+  /// Number of disks that stay in the caches from step to step with their blocks, some 3 MB.
   static constexpr std::size_t few_disks = 25'000;
 
   PackedGrid const& grid_;

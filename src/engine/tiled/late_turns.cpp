@@ -9,13 +9,13 @@ namespace gridlock::tiled {
 
 namespace {
 
-/// How far two columns or rows are apart.
+/// Returns the distance of two columns or rows, of `all` in a box.
 int apart(int one, int other, int all, bool is_periodic) {
   int const distance = std::abs(one - other);
   return is_periodic ? std::min(distance, all - distance) : distance;
 }
 
-/// Sets that grow together.
+/// Disjoint sets that can be joined.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
@@ -39,7 +39,7 @@ bool may_meet(CellLayout const& layout, int cell, int other, int reach) {
 }
 
 LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach) {
-  // Row by row, so that only those of near rows are compared; those of the first rows once more behind the last.
+  // Sorted by row, only disks of near rows are compared; behind the last row the first rows follow again.
   std::vector<std::size_t> by_row(disks.size());
   std::iota(by_row.begin(), by_row.end(), std::size_t{0});
   auto const row_of = [&](std::size_t k) { return disks[k].cell / layout.columns(); };
@@ -80,7 +80,7 @@ LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, 
 std::vector<std::size_t> levels_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach) {
   std::vector<std::size_t> levels(disks.size(), 0);
   std::unordered_map<std::uint32_t, std::size_t> last_of_process;
-  std::unordered_map<int, std::vector<std::size_t>> of_row;  // earlier disks
+  std::unordered_map<int, std::vector<std::size_t>> of_row;  // indices of earlier disks by row
   int const rows = layout.rows();
   int const rows_around = std::min(4 * reach + 1, rows);
   for (std::size_t k = 0; k < disks.size(); ++k) {

@@ -16,13 +16,13 @@ namespace {
 
 using Neighbour = Halo::Neighbour;
 
-/// The head of the message of a process about its late disks, before those that others may see.
+/// The first part of a process's message about its late disks.
 struct LateHead {
   int needed_reach;
   bool may_jump;
 };
 
-/// disks[k] becomes the one that was disks[order[k]], with no memory for another array.
+/// Permutes in place: disks[k] becomes the former disks[order[k]].
 void put_in_order(LargeArray<DiskInTurn>& disks, std::vector<std::uint32_t> order) {
   for (std::uint32_t first = 0; first < order.size(); ++first) {
     if (order[first] == first) continue;
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> tiles_of(Tiling const& tiling, Tiling::Rectangle cons
   return tiles;
 }
 
-/// To the last bit: −0 is not 0.
+/// Returns the bits of a disk's record: −0 is not 0.
 std::array<std::uint64_t, 8> bits_of(DiskInTurn const& disk) {
   return std::bit_cast<std::array<std::uint64_t, 8>>(disk);
 }
@@ -60,12 +60,12 @@ Share::Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, Large
       layout_(domain_.cells()),
       tiling_(layout_),
       thread_pool_(threads) {
-  // Twice the room of a turn within the ring: hardly ever is a disk faster.
+  // A ring of two cells is twice as wide as a local turn needs; disks are hardly ever faster than that.
   constexpr int usual_reach = 2;
   place(std::move(disks), usual_reach);
 }
 
-/// Puts the disks of this process in the order of their turns, and asks others for those of the rim.
+/// Puts the disks of this process in the order of their turns, and gets the disks of the rim from other processes.
 void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   if (reach != reach_) {
     reach_ = reach;
@@ -85,30 +85,30 @@ void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   for (Neighbour const& neighbour : halo_.neighbours()) receive_cells(neighbour.process);
 }
 
-/// The same again, while a step may be under way.
+/// Calls place() for another reach, in the middle of a step.
 void Share::place_anew(int reach) {
   std::vector<TileResult> results = std::move(steps_->results());
   place(take_own_disks(), reach);
   steps_->results() = std::move(results);
 }
 
-/// Finds the round of each tile, and whether others are told of it before or after.
+/// Chooses the round of each tile, and whether its turns come before messages are sent or while they travel.
 void Share::find_rounds() {
   rounds_ = {};
   std::vector<Tiling::Round> rounds = tiling_.rounds(domain_.own_tiles(), thread_pool_.size());
   std::vector<std::uint8_t> const latest = latest_phases(rounds);
   for (std::size_t k = 1; k < Tiling::colours; ++k) rounds_[k].before_sending = std::move(rounds[k]);
   for (Tiling::Part& part : rounds[0]) {
-    // What must come first comes first; otherwise the order stays.
+    // Tiles with early deadlines come first; otherwise the order stays.
     std::ranges::stable_sort(part, {}, [&](std::uint32_t tile) { return latest[tile]; });
     fill_rounds(part, latest, rounds[0].size());
   }
   for (std::size_t k = 0; k < Tiling::colours; ++k) halo_.plan(k, rounds_[k].before_sending, layout_, tiling_);
 }
 
-/// The latest time at which the tiles of the first round must have taken their turns: 0 before anything is sent, for
-/// those that change cells that others store; k before round k, for those that must come before a tile of that round;
-/// and none later than a tile of the first round that comes after it. Of all tiles.
+/// Returns for each tile of the first round its deadline: the latest phase by which its turns must have been taken. It
+/// is 0, before anything is sent, for a tile that changes cells which other processes store; k, before round k, for a
+/// tile next to a tile of that round; and no later than that of any tile of the first round which must follow it.
 std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const& rounds) const {
   std::vector<std::uint8_t> latest(tiling_.tiles().size(), Tiling::colours);
   for (std::size_t k = 1; k < rounds.size(); ++k) {
@@ -128,7 +128,7 @@ std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const&
     bool const is_seen = std::ranges::any_of(
         halo_.neighbours(), [&](Neighbour const& neighbour) { return overlap(layout_, changed, neighbour.seen); });
     if (is_seen) latest[tile] = 0;
-    // Tiles of higher colours have been looked at.
+    // Tiles of higher number have been handled already.
     tiling_.for_each_around(tile, [&](std::uint32_t other) {
       if (other > tile) latest[tile] = std::min(latest[tile], latest[other]);
     });
@@ -136,8 +136,7 @@ std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const&
   return latest;
 }
 
-/// Divides the tiles of one of `parts` parts of the first round among the rounds, so that all rounds take as long in
-/// every process.
+/// Divides a part of the first round, of `parts`, among all rounds, so that rounds take equally long in every process.
 void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> const& latest, std::size_t parts) {
   double const tiles_of_round =
       static_cast<double>(domain_.own_tiles().tiles()) / static_cast<double>(Tiling::colours * parts);
@@ -200,7 +199,7 @@ void Share::exchange(std::size_t round) {
   for (Neighbour const& neighbour : neighbours) receive_cells(neighbour.process);
 }
 
-/// Remembers late disks by Id and cell, for messages give disks other rows.
+/// Stores late disks by Id and cell, because messages change the rows of disks.
 void Share::note_late(std::uint32_t tile) {
   std::vector<std::uint32_t>& rows = steps_->result_of(tile).not_local;
   for (std::uint32_t const row : rows) {
@@ -219,7 +218,7 @@ void Share::note_late(std::uint32_t tile) {
 
 namespace {
 
-/// The row of a disk in its cell.
+/// Returns the row of a late disk.
 std::uint32_t row_of(Steps const& steps, LateDisk const& late) {
   std::uint32_t found = 0;
   steps.grid().for_each_in_cell(late.cell, [&](std::size_t row) {
@@ -230,12 +229,12 @@ std::uint32_t row_of(Steps const& steps, LateDisk const& late) {
 
 }  // namespace
 
-/// The turns of disks too fast for their tile, in the order of tiles as far as that can matter.
+/// Takes the turns of disks too fast for their tile, in the order of tiles wherever the order matters.
 void Share::take_late_turns() {
   std::ranges::stable_sort(late_, {}, &LateDisk::tile);
   for (LateDisk& late : late_) {
     Vector const v = steps_->disks()[row_of(*steps_, late)].velocity;
-    // A hair more, for what rounds in collisions.
+    // The last factor covers the rounding of energy in collisions.
     late.energy = 0.5 * late.smallest_mass * squared_length(v) * (1.0 + 1e-6);
   }
   int needed_reach = 0;
@@ -248,7 +247,7 @@ void Share::take_late_turns() {
   take_waves(shared);
 }
 
-/// Sends to each process the cells that its late disks may look at here, beyond those it is kept up to date of.
+/// Sends to each process the cells that its late disks may look at, beyond the cells that are kept up to date for it.
 void Share::show_neighbourhoods(std::vector<LateDisk> const& shared) {
   if (reach_ <= 1) return;
   exchange_zones(
@@ -256,14 +255,13 @@ void Share::show_neighbourhoods(std::vector<LateDisk> const& shared) {
       [&](Neighbour const& neighbour) { return cells_of_zones(shared, processes_.rank(), neighbour.own); });
 }
 
-/// Sends to each neighbour the cells that the turns of these late disks have changed in its window, and receives such.
+/// Sends to each neighbour the cells in its window that these late disks have changed, and receives such cells from it.
 void Share::tell_of_turns(std::vector<LateDisk> const& taken) {
   exchange_zones([&](Neighbour const& neighbour) { return cells_of_zones(taken, processes_.rank(), neighbour.window); },
                  [&](Neighbour const& neighbour) { return cells_of_zones(taken, neighbour.process, window_); });
 }
 
-/// Sends cells to each neighbour and receives some of it, where there are any: each process knows from the list of all
-/// late disks which messages there are.
+/// Exchanges cells with each neighbour, if there are any: the list of all late disks tells which messages to expect.
 template <class CellsSent, class CellsReceived>
 void Share::exchange_zones(CellsSent cells_sent, CellsReceived cells_received) {
   for (Neighbour const& neighbour : halo_.neighbours()) {
@@ -275,7 +273,7 @@ void Share::exchange_zones(CellsSent cells_sent, CellsReceived cells_received) {
   }
 }
 
-/// The cells of a window in the zones of the late disks of a process.
+/// Returns the cells of a window in the zones of a process's late disks.
 std::vector<int> Share::cells_of_zones(std::vector<LateDisk> const& late, std::size_t process,
                                        CellWindow const& window) const {
   std::vector<int> cells;
@@ -287,8 +285,8 @@ std::vector<int> Share::cells_of_zones(std::vector<LateDisk> const& late, std::s
   return cells;
 }
 
-/// The late disks of all processes whose turns others may see, in the order of their turns; and how far some late disk
-/// may look.
+/// Returns the late disks of all processes whose turns other processes may see, in the order of their turns. Sets
+/// `needed_reach` to the largest number of cells to each side that a late disk may look at.
 std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
   LateGroups const own = groups_of(layout_, late_, reach_);
   LateHead head{.needed_reach = 0, .may_jump = false};
@@ -327,7 +325,7 @@ std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
   return all;
 }
 
-/// How far any of the group may look, whatever they do to each other.
+/// Returns the cells to each side that any disk of the group may look at, whatever collisions happen in the group.
 int Share::reach_of(LateGroup const& group) const {
   return steps_->reach(group.largest_radius, 2.0 * group.energy / group.smallest_mass);
 }
@@ -336,7 +334,7 @@ bool Share::may_jump(LateGroup const& group) const {
   return !steps_->is_short_at(2.0 * group.energy / group.smallest_mass, group.smallest_radius);
 }
 
-/// The cells that the turn of a late disk may look at and change.
+/// Returns the cells that the turn of a late disk may look at and change.
 CellWindow Share::zone_of(LateDisk const& late) const {
   int const column = late.cell % layout_.columns();
   int const row = late.cell / layout_.columns();
@@ -355,7 +353,7 @@ bool Share::is_seen_by_others(LateDisk const& late) const {
 void Share::take_waves(std::vector<LateDisk> const& shared) {
   std::vector<std::size_t> const levels = levels_of(layout_, shared, reach_);
   std::size_t const end = levels.empty() ? 0 : std::ranges::max(levels) + 1;
-  // Its own among those of all processes come in the same order.
+  // The late disks of this process are in the same order in both lists.
   std::size_t next = 0;
   auto const skip_others = [&] {
     while (next < shared.size() && shared[next].process != processes_.rank()) ++next;
@@ -407,7 +405,7 @@ void Share::count_step() {
   }
 }
 
-/// The numbers of the disks in the tiles of this process.
+/// Returns the rows of the disks in the tiles of this process.
 std::vector<std::uint32_t> Share::own_disks() const {
   std::vector<std::uint32_t> own;
   own.reserve(steps_->disks().size());
@@ -435,7 +433,7 @@ std::vector<Overlap> Share::find_overlaps(double tolerance) const {
   PackedGrid const& grid = steps_->grid();
   for (std::uint32_t const number : own_disks()) {
     DiskInTurn const& one = steps_->disks()[number];
-    // Cells are as wide as two disks in contact, and those of the rim around its own tiles a process has too.
+    // A cell is as wide as two disks in contact, and this process stores the cells around its tiles too.
     grid.for_each_in_block(grid.cell_of(number), 1, 1, [&](std::size_t row) {
       DiskInTurn const& other = steps_->disks()[row];
       if (one.id_index >= other.id_index) return;
@@ -458,7 +456,7 @@ void Share::copy_cells(std::span<int const> cells, CellsMessage& to) const {
   }
 }
 
-/// Those of the cells that hold something else now.
+/// Adds to `to` the cells whose disks have changed since `before`.
 void Share::add_changed_cells(CellsMessage const& before, CellsMessage& to) const {
   DiskInTurn const* old = before.disks.data();
   for (CellsMessage::Cell const& head : before.cells) {

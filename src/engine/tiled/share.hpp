@@ -28,19 +28,19 @@ struct Jump {
 
 /// Two disks that overlap.
 struct Overlap {
-  std::uint32_t row;  ///< in the state, of the one whose Id comes first
+  std::uint32_t row;  ///< row in the state, of the disk with the lower Id
   std::uint32_t other_row;
-  double gap;  ///< between their rims, below 0
+  double gap;  ///< distance between the rims, below 0
 };
 
-/// The disks of some cells, for another process.
+/// The disks of some cells, in a message to another process.
 struct CellsMessage {
   struct Cell {
     std::int32_t cell;
     std::uint32_t disks;
   };
   std::vector<Cell> cells;
-  std::vector<DiskInTurn> disks;  ///< cell by cell
+  std::vector<DiskInTurn> disks;  ///< disks of the first cell, then of the second, …
   std::vector<std::uint8_t> has_turned;
 
   void clear() {
@@ -50,42 +50,41 @@ struct CellsMessage {
   }
 };
 
-/// The share that one process has in the steps of `tiled`: the disks of its tiles, and of the cells around them that
-/// others own. After each round it sends its neighbours the cells that have changed, see Halo. Disks too fast for their
-/// tile look `reach_` cells far, the width of the rim.
+/// The part of one process in the steps of `tiled`: the disks of its tiles, and copies of those in the cells around,
+/// which other processes own. After each round it sends the changed cells to its neighbours, see Halo. Disks too fast
+/// for their tile look at `reach_` cells to each side, the width of the rim.
 ///
-/// All processes construct it and call take_step() together. The bits are those of one process.
+/// All processes construct it and call take_step() together. The bits are those of a run in one process.
 class Share {
  public:
-  /// `disks` are those in the tiles of this process, with room_for_rim() of them.
+  /// `disks` are those in the tiles of this process, with memory for room_for_rim() disks.
   Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, LargeArray<DiskInTurn>&& disks);
 
   void take_step();
 
-  /// The first disk of the last step that could have jumped over another, in the order of tiles. All processes know it.
+  /// The first disk, by tile, that could have jumped over another in the last step; known to all processes.
   [[nodiscard]] std::optional<Jump> const& jump() const { return jump_; }
 
   /// The counters of the tiles of this process in each step since the last call.
   [[nodiscard]] std::vector<CountersOfStep> take_counters() { return std::exchange(counters_, {}); }
-  /// The tiles that it counts for, in the order of its sums.
+  /// The tiles of this process, in the order of take_counters().
   [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return steps_->tiles(); }
 
-  /// Takes the disks of this process out, and frees what steps need: no further one can be taken.
+  /// Takes the disks of this process out and frees the memory of the steps. No further step can be taken.
   [[nodiscard]] LargeArray<DiskInTurn> take_own_disks();
 
-  /// Disks of this process that overlap others, wherever these are, by more than the tolerance; each pair is found by
-  /// one process.
+  /// Returns overlaps of its disks with any disk by more than the tolerance; each pair is found by one process.
   [[nodiscard]] std::vector<Overlap> find_overlaps(double tolerance) const;
 
-  /// The number of disks for which a process that owns `own` needs memory, its copies of disks of the rim included; few
-  /// where it owns many.
+  /// Number of disks for which a process that owns `own` disks needs memory, copies of disks of the rim included. The
+  /// copies are few relative to a large `own`.
   static std::size_t room_for_rim(std::size_t own) { return own + own / 8 + 256; }
 
  private:
-  /// The tiles whose turns come between two messages to a neighbour.
+  /// The tiles whose turns come between two exchanges of messages.
   struct Round {
-    Tiling::Round before_sending;  ///< those that others may see
-    Tiling::Round meanwhile;       ///< those that they cannot, while messages travel
+    Tiling::Round before_sending;  ///< tiles whose turns other processes may see
+    Tiling::Round meanwhile;       ///< other tiles, while messages travel
   };
   void place(LargeArray<DiskInTurn>&& own, int reach);
   void place_anew(int reach);
@@ -127,17 +126,17 @@ class Share {
   Tiling tiling_;
   ThreadPool thread_pool_;
   int reach_ = 0;
-  CellWindow window_;  ///< `reach_` cells around those of its tiles
+  CellWindow window_;  ///< the tiles of this process and `reach_` cells around them
   Halo halo_;
-  std::vector<CellsMessage> rings_before_;  ///< for each neighbour, before the present round
+  std::vector<CellsMessage> rings_before_;  ///< cells that each neighbour stores, before the present round
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;
   std::uint64_t steps_since_sort_ = 0;
-  std::vector<LateDisk> late_;  ///< of its own tiles, in the order of their turns
-  bool may_jump_ = false;       ///< some late disk of any process
+  std::vector<LateDisk> late_;  ///< late disks of its own tiles, in the order of their turns
+  bool may_jump_ = false;       ///< whether a late disk of any process may jump over another
   std::optional<Jump> jump_;
-  std::vector<CountersOfStep> counters_;  ///< of steps that nobody has asked for yet
-  CellsMessage message_;                  ///< the one that is written or read
+  std::vector<CountersOfStep> counters_;  ///< counters of the steps since take_counters()
+  CellsMessage message_;                  ///< scratch buffer of the message being written or read
 };
 
 }  // namespace gridlock::tiled

@@ -32,10 +32,10 @@ namespace tiled {
 
 namespace {
 
-/// The disks of one process while it takes steps.
+/// The disks that one process has while it takes steps.
 class PartOfProcess {
  public:
-  /// Sends each disk to the process of its tile; `id_indices` are those of the disks. The values in the state may go
+  /// Sends each disk, with its entry of `id_indices`, to the process of its tile; the values in the state may be freed
   /// then.
   PartOfProcess(Communicator& processes, TurnRule const& rule, CellLayout const& layout, State const& own,
                 std::span<std::uint32_t const> id_indices)
@@ -48,7 +48,7 @@ class PartOfProcess {
         })) {
     hand_out(id_indices);
   }
-  /// Makes the share.
+  /// Constructs the share.
   void begin(std::uint64_t threads) { share_.emplace(std::move(domain_), rule_, threads, std::move(in_tiles_)); }
 
   [[nodiscard]] Share& share() { return *share_; }
@@ -83,10 +83,10 @@ class PartOfProcess {
     own.agents.become(ids, values);
   }
 
-  /// The disk that could have jumped over another; after give_back().
+  /// The disk that could have jumped over another. Contract: give_back() has been called.
   [[nodiscard]] std::optional<LongSubstep> const& long_substep() const { return long_substep_; }
 
-  /// The Ids of rows, whoever has them.
+  /// Returns the Ids of rows of any process.
   [[nodiscard]] std::vector<Id> ids_of(std::span<std::uint32_t const> rows) const {
     return ids_of_rows(processes_, rows_, own_.agents.ids(), rows);
   }
@@ -94,16 +94,16 @@ class PartOfProcess {
  private:
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
-  /// A disk that has come from another process.
+  /// A disk that came from another process.
   struct Arrival {
     Id id;
-    std::uint32_t place;  ///< among the disks of this process
+    std::uint32_t place;  ///< index among the disks of this process
   };
 
   [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(processes_.rank())); }
   [[nodiscard]] bool is_own(std::uint32_t row) const { return row - first_row() < own_.agents.size(); }
 
-  /// Disks that have come from other processes, in the order of their Ids.
+  /// Returns the disks that came from other processes, in the order of their Ids.
   [[nodiscard]] std::vector<Arrival> arrivals_among(LargeArray<DiskInTurn> const& disks) const {
     std::vector<std::uint32_t> rows;
     std::vector<Arrival> arrivals;
@@ -118,7 +118,7 @@ class PartOfProcess {
     return arrivals;
   }
 
-  /// The place of the disk of each row among the disks, or `nobody` for one that another process has now.
+  /// Returns for each row the index of its disk in `disks`, or `nobody` if another process has the disk now.
   [[nodiscard]] LargeArray<std::uint32_t> places_of_rows(LargeArray<DiskInTurn> const& disks) const {
     LargeArray<std::uint32_t> places(own_.agents.size(), nobody);
     for (std::uint32_t place = 0; place < disks.size(); ++place) {
@@ -155,15 +155,15 @@ class PartOfProcess {
 
   Communicator& processes_;
   TurnRule rule_;
-  RowDivision rows_;  ///< of all disks, before the steps
+  RowDivision rows_;  ///< division of the rows among processes before the steps
   State const& own_;
-  Domain domain_;                    ///< until there is a share
-  LargeArray<DiskInTurn> in_tiles_;  ///< the disks of this process, until there is a share
+  Domain domain_;                    ///< empty once there is a share
+  LargeArray<DiskInTurn> in_tiles_;  ///< the disks of this process until there is a share
   std::optional<Share> share_;
   std::optional<LongSubstep> long_substep_;
 };
 
-/// Takes at most so many steps together with all other processes.
+/// Takes up to `steps` steps together with all other processes.
 StepsTaken take_steps(Communicator& processes, Share& share, std::uint64_t steps, Counters& counters) {
   std::uint64_t done = 0;
   while (done < steps && !share.jump()) {
@@ -178,7 +178,7 @@ StepsTaken take_steps(Communicator& processes, Share& share, std::uint64_t steps
   return {.whole = done - (has_failed ? 1 : 0), .has_failed = has_failed};
 }
 
-/// What is wrong with all disks.
+/// Returns the problems of the disks of all processes.
 std::vector<Problem> problems_of(Communicator& processes, PartOfProcess& part, double tolerance) {
   auto const sort = [](std::vector<Overlap>& overlaps) {
     std::ranges::sort(overlaps, {}, [](Overlap const& overlap) { return std::pair(overlap.row, overlap.other_row); });
@@ -200,7 +200,7 @@ std::vector<Problem> problems_of(Communicator& processes, PartOfProcess& part, d
   return problems_of_overlaps(pairs, all_sum(processes, own.size()));
 }
 
-/// The problems of the rows of all processes.
+/// Returns the problems of the rows of all processes.
 RowProblems problems_of_rows(Communicator& processes, State const& own) {
   MessageWriter message_of_own;
   RowProblems(own).write(message_of_own);
@@ -225,8 +225,8 @@ TurnRule rule_of(EngineSettings const& settings, Box const& box, DisksOverview c
 }  // namespace tiled
 
 CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOverview const& all) {
-  // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
-  // same for a run and for its continuation from a file, since the order of the turns depends on them.
+  // The cells have room for disks of twice the speed to which the time step refers, whatever the present speeds: turns
+  // depend on cells, so cells must be the same for a run and for its continuation from a file.
   double const displacement_at_speed = settings.time_step * 2.0 * all.radii.smallest;
   return packed_layout(box, all.radii, all.count, 2.0 * displacement_at_speed);
 }

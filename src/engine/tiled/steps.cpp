@@ -12,17 +12,17 @@ namespace gridlock::tiled {
 
 namespace {
 
-/// A tile that is its own neighbour around a periodic box: cells three apart may have a common neighbour.
+/// Returns whether a tile is its own neighbour around a periodic box: cells three apart may share a neighbour.
 bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
   return layout.is_periodic() && (tiling.columns() == 1 || tiling.rows() == 1);
 }
 
-/// Registers of one or two numbers are full without a team, and the copies of its groups would cost up to 8 % of the
-/// time.
+/// Returns the number of tiles that take turns together. Registers of one or two numbers are full with one tile, and
+/// copying the groups of more would cost up to 8 % of the time.
 std::size_t team_size() { return target() == Target::avx2 || target() == Target::avx512 ? Tiling::tiles_of_team : 1; }
 
 PackedGrid grid_of_window(CellLayout const& layout, CellWindow const& window, HotDisks const& disks) {
-  // Disks of other processes come later.
+  // Memory for disks of other processes, which are added later, is included.
   PackedGrid grid(layout, window, disks.room());
   for (std::size_t k = 0; k < disks.size(); ++k) grid.insert(k, disks[k].position);
   return grid;
@@ -89,7 +89,7 @@ void Steps::take_part(Tiling::Part const& part) {
                                   .results = results.data()};
       for (std::size_t first = 0; first < order.size();) {
         std::size_t const end = order.next_batch(grid_, first, group_size_);
-        // A local disk is short of a contact distance in the whole step, so in each sub-step too.
+        // A local disk moves less than a contact distance in the whole step, so no sub-step can be too long.
         turns_.take_batch(in_order, first, end - first);
         ahead.advance(end - first);
         first = end;
@@ -128,7 +128,7 @@ bool Steps::has_turned(std::uint32_t row) const {
 void Steps::replace_cell(int cell, std::span<DiskInTurn const> disks, std::span<std::uint8_t const> has_turned) {
   rows_of_cell_.clear();
   grid_.for_each_in_cell(cell, [&](std::size_t row) { rows_of_cell_.push_back(static_cast<std::uint32_t>(row)); });
-  // Most disks have been here before.
+  // Most disks of the cell were in it before and keep their rows.
   std::vector<std::uint32_t>& old = rows_of_cell_;
   for (std::size_t k = 0; k < disks.size(); ++k) {
     auto const same = std::ranges::find(old, disks[k].id_index, [&](std::uint32_t row) { return id_indices_[row]; });

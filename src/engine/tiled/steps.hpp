@@ -15,13 +15,13 @@
 
 namespace gridlock::tiled {
 
-/// Steps after which the disks are put in the order of their cells again: they drift less than a cell in that time.
+/// Steps after which disks are sorted by cell again; they drift less than a cell in that time.
 constexpr std::uint64_t steps_between_sorts = 100;
 
 /// The numbers that all turns of a run have in common.
 struct TurnRule {
   Box box;
-  double duration;  ///< of a step
+  double duration;  ///< duration of a step
   std::uint64_t substeps;
   CollisionRule contact;
   RadiusRange radii;
@@ -30,20 +30,19 @@ struct TurnRule {
 /// A disk that could jump over another in a sub-step.
 struct TooFast {
   std::uint32_t row_in_state;
-  double displacement;  ///< in a sub-step
+  double displacement;  ///< displacement in a sub-step, in units of length
 };
 
-/// The results of one tile in one step; on a cache line of its own, since threads write to it side by side.
-/// Disks that are not local wait for the end of the step.
+/// The results of one tile in one step, on a cache line of its own, since threads write to tiles side by side. Disks
+/// that are not local take their turns at the end of the step.
 struct alignas(64) TileResult : TurnResult {
-  std::optional<TooFast> too_fast;  ///< the first one
+  std::optional<TooFast> too_fast;  ///< the first disk that could jump over another
 };
 
-/// The turns of the disks of some tiles, step after step.
+/// Takes the turns of the disks of some tiles, step after step.
 class Steps {
  public:
-  /// The disks are those of all cells of the window, in any order; turns are taken by those in `tiles`, in growing
-  /// order.
+  /// `disks` are all disks of the window, in any order; those in `tiles`, in ascending order, take turns.
   Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, Tiling const& tiling,
         CellWindow const& window, std::vector<std::uint32_t> tiles);
   Steps(Steps const&) = delete;
@@ -51,32 +50,32 @@ class Steps {
 
   void begin_step() { marks_of_turned_ ^= all_slots; }
 
-  /// The disks of these tiles take their turns, but for those too fast for their tile; parts may be taken at once.
+  /// Takes the turns in these tiles, except for disks too fast for their tile. Different parts may be taken at once.
   void take_part(Tiling::Part const& part);
 
-  /// The turn of a disk that was too fast for its tile, and what it adds to the results of that tile.
+  /// Takes the turn of a disk that was too fast for its tile, and adds its counters to the results of that tile.
   void take_late(std::uint32_t row, TileResult& result);
 
-  /// Of the tiles that take turns, in their order.
+  /// Results of the tiles that take turns, in the order of `tiles`.
   [[nodiscard]] std::vector<TileResult>& results() { return results_; }
   [[nodiscard]] std::vector<TileResult> const& results() const { return results_; }
   [[nodiscard]] TileResult& result_of(std::uint32_t tile) { return results_[place_of_tile_[tile]]; }
   [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return tiles_; }
 
-  /// Whether a disk of this speed and radius comes less far in a sub-step than the nearest centre of another may be.
+  /// Returns whether a sub-step at this speed is shorter than the contact distance with the smallest disk.
   [[nodiscard]] bool is_short_at(double squared_speed, double radius) const;
-  /// The cells to each side that a disk of this speed looks at and may move to.
+  /// Returns the number of cells to each side in which a disk of this speed may meet others or end.
   [[nodiscard]] int reach(double radius, double squared_speed) const;
 
   [[nodiscard]] HotDisks const& disks() const { return disks_; }
-  /// No further step can be taken.
+  /// Returns all disks. Afterwards no further step can be taken.
   [[nodiscard]] LargeArray<DiskInTurn> take_disks() { return disks_.take(); }
   [[nodiscard]] PackedGrid const& grid() const { return grid_; }
 
-  // What other processes need to know of a cell, and tell of it.
+  // Cells as messages between processes hold them:
 
   [[nodiscard]] bool has_turned(std::uint32_t row) const;
-  /// From now on a cell holds these disks, and no others.
+  /// Replaces the disks of a cell by these disks.
   void replace_cell(int cell, std::span<DiskInTurn const> disks, std::span<std::uint8_t const> has_turned);
 
  private:
@@ -91,26 +90,26 @@ class Steps {
   PackedTurns turns_;
   Cutoff cutoff_;
   std::size_t group_size_;
-  std::size_t team_size_;  ///< tiles that have their turns at once
-  /// A disk has the mark of its last turn, from when the class of its cell begins; what a mark says turns around with
-  /// every step.
+  std::size_t team_size_;  ///< tiles that take turns at once
+  /// Each disk has a mark that tells whether it has taken its turn in this step; the meaning of the mark is inverted at
+  /// every step, so that no mark needs to be reset.
   static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
-  unsigned marks_of_turned_ = 0;             ///< what the marks are of those that have had their turn
-  std::vector<std::uint32_t> id_indices_;    ///< of DiskInTurn, side by side
-  std::vector<std::uint32_t> free_rows_;     ///< that no disk has any more
-  std::vector<std::uint32_t> rows_of_cell_;  ///< while a cell is replaced
+  unsigned marks_of_turned_ = 0;             ///< value of the marks of disks that have taken their turn
+  std::vector<std::uint32_t> id_indices_;    ///< copy of DiskInTurn::id_index in an array of its own
+  std::vector<std::uint32_t> free_rows_;     ///< rows without a disk
+  std::vector<std::uint32_t> rows_of_cell_;  ///< scratch buffer of replace_cell()
   std::vector<std::uint32_t> tiles_;
-  std::vector<std::uint32_t> place_of_tile_;  ///< among the tiles that take turns
+  std::vector<std::uint32_t> place_of_tile_;  ///< index among the tiles that take turns
   std::vector<TileResult> results_;
-  std::vector<std::uint32_t> turns_of_tile_;  ///< about so many in each of the same tiles
+  std::vector<std::uint32_t> turns_of_tile_;  ///< approximate number of turns in each tile
 };
 
-/// The order of the cells of a rectangle of tiles: tile by tile, and in a tile row by row.
+/// The order of the cells in a rectangle of tiles: tile by tile, and row by row in a tile.
 class CellOfTurn {
  public:
   CellOfTurn(CellLayout const& layout, Tiling const& tiling, std::span<std::uint32_t const> tiles);
 
-  /// Points in this order: order[k] is the number of the one that comes to place k. Contract: all lie in these tiles.
+  /// Returns the indices of points in this order of cells. Contract: all points lie in these tiles.
   template <class Position>
   [[nodiscard]] std::vector<std::uint32_t> order(std::size_t count, Position position_of) const {
     auto const turn_of = [&](std::size_t i) {
