@@ -9,7 +9,16 @@
 
 namespace gridlock {
 
-/// Adding a stage means one line here, one in stage.hpp, and a file behind them.
+// Each record is in the file of its stage.
+StageRecord grow_stage();
+StageRecord run_stage();
+StageRecord quench_stage();
+StageRecord compress_stage();
+StageRecord decompress_stage();
+StageRecord separate_stage();
+StageRecord swap_stage();
+
+/// Adding a stage means one line here, one above, and a file behind them.
 std::span<StageRecord const> stage_records() {
   static std::array const records{grow_stage(),       run_stage(),      quench_stage(), compress_stage(),
                                   decompress_stage(), separate_stage(), swap_stage()};
