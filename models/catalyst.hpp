@@ -24,15 +24,14 @@ enum class Reaction { none, a_with_b, a_with_a };
 
 /// Disks of radius R that adsorb on a surface where they fit, desorb, diffuse as hard disks, and react on contact.
 ///
-/// Kinetic Monte Carlo by rejection, exact in time: events come at the total rate
+/// The method is kinetic Monte Carlo by rejection, exact in time: events come at the total rate
 ///     (k_A + k_B)·area + N·(k_d + ν)
 /// after exponential waiting times. An adsorption is tried at a point drawn anywhere and happens if no centre is nearer
-/// than 2R (random sequential adsorption where nothing else is on, Wang 1994, doi:10.1103/PhysRevE.50.3635); a
-/// desorption takes any disk; a hop tries a point uniform in a disk of radius `hop` around the old one, or anywhere if
-/// it is 0, and happens if the disk fits there. A hop onto a partner makes both leave with the given probability. In
+/// than 2R; without other events it is random sequential adsorption (Wang 1994, doi:10.1103/PhysRevE.50.3635). A
+/// desorption takes any disk. A hop tries a point uniform in a disk of radius `hop` around the old one, or anywhere if
+/// `hop` is 0, and happens if the disk fits there. A hop onto a partner makes both leave with the given probability. In
 /// equilibrium the coverage θ = NπR²/A follows θ/Φ(θ) = k_a πR²/k_d with the available surface Φ. Between walls centres
-/// lie in the whole box. A step is a stretch of time: shorter ones cost a new grid each, and change only which random
-/// numbers are drawn.
+/// lie in the whole box. Steps only divide time: shorter steps make more grids and draw other random numbers.
 struct Catalyst {
   static constexpr std::string_view name = "catalyst";
   static constexpr std::string_view documentation = "Molecules that adsorb, desorb, diffuse and react on a surface.";
@@ -89,7 +88,7 @@ struct Catalyst {
                   step_length);
   }
 
-  /// Refuses more molecules than the closest packing holds, and steps that would take minutes.
+  /// Throws Error for more molecules than the closest packing holds, and for steps that would take minutes.
   void check(Box const& box) const {
     if (hop_rate > 0.0) require_displacement(box, hop, "hop");
     double const wanted = static_cast<double>(count) + static_cast<double>(count_b);
@@ -113,10 +112,10 @@ struct Catalyst {
   [[nodiscard]] double cutoff() const { return 2.0 * radius; }
   [[nodiscard]] double time_step() const { return step_length; }
 
-  /// Errors: Error where random places are not found for all molecules.
+  /// Errors: Error where not all molecules can be placed at random.
   void start(World<Catalyst>& world) const {
     std::uint64_t const wanted = count + count_b;
-    // In a small box the saturation of the infinite plane can be passed by chance.
+    // In a small box a random start can exceed the saturation of the infinite plane by chance.
     double const saturation = random_molecules(world.box);
     if (wanted >= 1000 && static_cast<double>(wanted) > 1.05 * saturation) {
       throw too_many_molecules("at random places about " + in_words(saturation) + " find room", world.box);
@@ -124,7 +123,7 @@ struct Catalyst {
     PackedGrid grid(layout_for_cutoff(world.box, cutoff(), 2 * wanted + 16));
     MutableWorld<Catalyst> open(world, grid, cutoff(), false);
     RandomStream random = world.start_random(0);
-    // Near saturation one try in some thousands finds room.
+    // Near saturation one try in some thousands succeeds.
     std::uint64_t tries = 20'000'000 + 1000 * wanted;
     std::uint64_t placed = 0;
     for (; placed < wanted && tries > 0; --tries) {
@@ -147,7 +146,7 @@ struct Catalyst {
       double const total = adsorption + desorption + hop_rate * static_cast<double>(surface.size());
       if (!(total > 0.0)) return;
       time += random.exponential() / total;
-      // The rest of the last waiting time may be forgotten: an exponential one has no memory.
+      // The rest of the last waiting time is dropped: an exponential waiting time has no memory.
       if (time > step_length) return;
       double const which = random.uniform() * total;
       if (which < adsorption) {
@@ -161,7 +160,7 @@ struct Catalyst {
     }
   }
 
-  /// θ = N π R² / A.
+  /// Returns the coverage θ = N π R² / A.
   static double coverage(World<Catalyst> const& world) {
     double area = 0.0;
     for (double const r : world.agents.column<Radius>()) area += std::numbers::pi * r * r;
@@ -173,19 +172,19 @@ struct Catalyst {
   }
 
  private:
-  /// One takes about 0.2 µs, and a run can be stopped between two steps only.
+  /// Largest number of events in a step. An event takes about 0.2 µs, and a run can stop only between steps.
   static constexpr double max_events = 1e8;
 
-  /// How many points can lie at least a diameter apart: the closest packing, and at walls the inequality of Oler 1961,
-  /// N ≤ (2/√3) A/d² + P/(2d) + 1.
+  /// Returns the largest number of points at least a diameter apart: the closest packing, and at walls the inequality
+  /// of Oler 1961, N ≤ (2/√3) A/d² + P/(2d) + 1.
   [[nodiscard]] double max_molecules(Box const& box) const {
     double const d = 2.0 * radius;
     double const closest = 2.0 / std::numbers::sqrt3 * (box.width() / d) * (box.height() / d);
     double const at_walls = box.is_periodic() ? 0.0 : (box.width() + box.height()) / d + 1.0;
     return std::floor((closest + at_walls) * (1.0 + 1e-12));
   }
-  /// How many find room one after the other at random: a share 0.547069 of the area (Wang 1994), that of the molecules
-  /// on the edge included.
+  /// Returns the number of molecules that random sequential adsorption places: the fraction 0.547069 of the area (Wang
+  /// 1994), with molecules on the edge included.
   [[nodiscard]] double random_molecules(Box const& box) const {
     double const margin = box.is_periodic() ? 0.0 : 2.0 * radius;
     return std::floor(0.547069 / std::numbers::pi * ((box.width() + margin) / radius) *
@@ -224,8 +223,7 @@ struct Catalyst {
     Vector p;
     if (hop > 0.0) {
       Motion const to = motion(surface.box(), surface.position(id), hop * random.in_unit_disk());
-      // A molecule that would leave the surface stays: mirrored hops would be drawn more often than they are taken
-      // back.
+      // A molecule that would leave the surface stays: a reflected hop would be drawn more often than its reverse.
       if (to.bounce.x || to.bounce.y) return;
       p = to.end;
     } else {

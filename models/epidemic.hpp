@@ -17,14 +17,14 @@ struct Health {
   static constexpr std::array<std::string_view, 3> value_names{"susceptible", "infected", "recovered"};
 };
 
-/// Walkers that catch a disease from those near them and recover: susceptible → infected → recovered, with births and
-/// deaths.
+/// Walkers that catch a disease from infected neighbours and recover: susceptible → infected → recovered, with births
+/// and deaths.
 ///
-/// In a step of length dt a susceptible agent with k infected ones within the radius is infected with probability 1 −
-/// (1 − β dt)^k, an infected one recovers with probability γ dt, everybody dies with probability μ dt and has a
-/// susceptible child beside it with probability μ dt too, if the population is below its bound. The smaller dt, the
-/// nearer to rates in continuous time. Where walkers mix fast, the numbers follow dS/dt = −β n S I/N …, with n = N π
-/// r²/A agents within the cutoff (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
+/// In a step of length dt a susceptible agent with k infected agents within the radius is infected with probability 1 −
+/// (1 − β dt)^k, and an infected agent recovers with probability γ dt. Every agent dies with probability μ dt and has a
+/// susceptible child beside it with probability μ dt, if the population is below its bound. For small dt these are
+/// rates in continuous time. Where walkers mix fast, the numbers follow dS/dt = −β n S I/N …, with n = N π r²/A agents
+/// within the cutoff (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
 struct Epidemic {
   static constexpr std::string_view name = "epidemic";
   static constexpr std::string_view documentation = "Walkers that infect those near them and recover.";
@@ -76,7 +76,7 @@ struct Epidemic {
                   step_length);
   }
   void check(Box const& box) const {
-    // Without births to make up for the deaths the population would shrink.
+    // Without room for births the population would only shrink, because deaths continue.
     if (turnover_rate > 0.0 && most_agents < count) {
       throw Error({.what = "most_agents = " + std::to_string(most_agents) +
                            " is below count = " + std::to_string(count) + ", the agents at the start",

@@ -21,12 +21,12 @@ struct HeadingY {
 
 enum class FlockingRule { vicsek, boids };
 
-/// Agents of constant speed that turn to where their neighbours go, all at once.
+/// Agents of constant speed that turn to the direction of their neighbours, all at the same time.
 ///
-/// Vicsek: x' = x + v θ, θ' = direction of Σ θ_j over all within the radius, the agent among them, turned by an angle
-/// uniform in [−η/2, η/2] (Vicsek et al. 1995, doi:10.1103/PhysRevLett.75.1226).
-/// Boids: v' = (v + c·mean(r_j) − s·mean(r_j, those nearer than the separation) + a·mean(v_j)) / 2, made a unit vector,
-/// x' = x + speed·v', as the public comparison of agent frameworks declares it; there agents act one after the other.
+/// Vicsek: x' = x + v θ, θ' = direction of Σ θ_j over all agents within the radius and the agent, turned by an angle
+/// uniform in [−η/2, η/2] (Vicsek et al. 1995, doi:10.1103/PhysRevLett.75.1226). Boids: v' = (v + c·mean(r_j) −
+/// s·mean(r_j of agents nearer than the separation) + a·mean(v_j)) / 2, made a unit vector, x' = x + speed·v': the rule
+/// of the public comparison of agent frameworks, where agents act one by one.
 struct Flocking {
   static constexpr std::string_view name = "flocking";
   static constexpr std::string_view documentation = "Agents that turn to where their neighbours go.";
@@ -97,7 +97,7 @@ struct Flocking {
     }
   }
 
-  /// The order v_a = |Σ θ| / N: 1 where all move in one direction, about 1/√N for random directions.
+  /// Returns the order v_a = |Σ θ| / N: 1 where all agents move in one direction, about 1/√N for random directions.
   static double order(AgentSums<Flocking> const& agents) {
     Vector const sum{agents.sum([](auto const& agent) { return agent.template get<HeadingX>(); }),
                      agents.sum([](auto const& agent) { return agent.template get<HeadingY>(); })};
@@ -117,7 +117,7 @@ struct Flocking {
   }
 
   void align(Turn<Flocking>& self) const {
-    // First, so that the processor works on it while it waits for the neighbours.
+    // Drawn first, so that the processor computes it while it waits for the neighbours' memory.
     RandomStream random = self.random();
     Vector const turned = direction(noise * (random.uniform() - 0.5));
     Vector const heading = heading_of(self);

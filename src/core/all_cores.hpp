@@ -6,11 +6,10 @@
 
 namespace gridlock {
 
-/// Calls work(), whose parallel loops of oneTBB then share the cores that this process may use, or those of the arena
-/// that the caller is in where these are fewer. oneTBB by itself follows the affinity mask, but no limit of a
-/// container.
+/// Calls work(). Its parallel loops of oneTBB share the cores that this process may use, or those of the caller's arena
+/// if these are fewer; oneTBB alone obeys the affinity mask, but not the limits of a container.
 ///
-/// A thread that waits for the others takes up no work from outside, such as another run of a sweep.
+/// A thread that waits for the others takes no other work, such as another run of a sweep.
 template <class Work>
 void on_all_cores(Work const& work) {
   int const cores = static_cast<int>(usable_cores());

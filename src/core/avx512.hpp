@@ -1,7 +1,7 @@
 #pragma once
 
-// Shared by the files whose functions are compiled for wide registers. Only functions marked GRIDLOCK_AVX512 use them,
-// and uses_avx512() decides at run time whether they are ever called. Empty where the compiler has no such functions.
+// Shared by files with functions for AVX-512. Only functions marked GRIDLOCK_AVX512 use these instructions;
+// uses_avx512() decides at run time whether they are called. The file is empty for compilers without such functions.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
@@ -10,7 +10,7 @@
 #include "gridlock/core/target.hpp"
 
 #if !defined(__clang__)
-// GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
+// GCC 12 warns wrongly of deliberately undefined registers inside its own intrinsics.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #endif
@@ -19,10 +19,10 @@
 
 namespace gridlock {
 
-/// Whether kernels are to use the instructions of GRIDLOCK_AVX512.
+/// Returns whether kernels marked GRIDLOCK_AVX512 are to be used.
 inline bool uses_avx512() { return target() == Target::avx512; }
 
-/// One component of Box::displacement_inside() in a periodic box, eight at a time.
+/// Returns one component of Box::displacement_inside() in a periodic box, for eight numbers.
 GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
   __m512d const whole = _mm512_set1_pd(side);
   __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
@@ -31,7 +31,7 @@ GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
   return _mm512_mask_add_pd(d, below, d, whole);
 }
 
-/// Four times four numbers in one register; each four aligned to 16 bytes.
+/// Returns four groups of four numbers in one register. Contract: each group is aligned to 16 bytes.
 GRIDLOCK_AVX512 inline __m512 fours_side_by_side(float const* a, float const* b, float const* c, float const* d) {
   __m256 const low = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(a)), _mm_load_ps(b), 1);
   __m256 const high = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(c)), _mm_load_ps(d), 1);

@@ -26,11 +26,11 @@ Box::Box(double width, double height, Edge edge)
 }
 
 Vector Box::displacement_of_images(Vector from, Vector to) const {
-  // Component by component, so that neither depends on where the points are in the other direction.
+  // Computed for each component alone, so that x does not depend on y.
   auto const component = [](double a, double b, double side) {
     double const d = nearest_image(b - a, side, 0.5 * side);
     if (std::abs(d) <= 0.5 * side) return d;
-    // Where the images lie is known to the precision of the side, which the difference of coordinates far away is not.
+    // For points far away, images in the box are as precise as its side; the difference of coordinates is not.
     return nearest_image(image_inside(b, side) - image_inside(a, side), side, 0.5 * side);
   };
   return {component(from.x, to.x, width_), component(from.y, to.y, height_)};
@@ -42,7 +42,7 @@ double image_inside(double p, double side) {
   if (p >= 0.0 && p < side) return p;
   double image = std::fmod(p, side);
   if (image < 0.0) image += side;
-  // −ε + side rounds to side itself, which is the lower edge of the next image.
+  // −ε + side can round to side, which is the lower edge of the next image.
   return image < side ? image : image - side;
 }
 

@@ -6,14 +6,14 @@
 
 namespace gridlock {
 
-/// The numbers of all disks together that an engine and the checks of a set-up ask for.
+/// Numbers over all disks that an engine and the checks of a start need.
 struct DisksOverview {
   std::uint64_t count = 0;
   RadiusRange radii;
   double largest_speed = 0.0;
   double covered_area = 0.0;
 
-  /// Adds those of other disks.
+  /// Adds the numbers of other disks.
   void add(DisksOverview const& others);
 };
 

@@ -9,10 +9,10 @@ namespace gridlock {
 
 namespace {
 
-/// Terms taken together in add(span).
+/// Number of terms that add(span) handles together.
 constexpr std::size_t batch = 256;
 
-/// Two numbers in one register of any processor: a compiler does not change the order of a sum by itself.
+/// Two numbers in one register of any processor; with them a compiler need not reorder a sum.
 using Double2 = double __attribute__((vector_size(16)));
 using Bits2 = std::int64_t __attribute__((vector_size(16)));
 
@@ -22,7 +22,7 @@ inline Double2 two_at(double const* terms) {
   return result;
 }
 
-/// Σ |x|, rounded; not finite where a term is not.
+/// Returns Σ |x|, rounded; not finite where a term is not finite.
 double sum_of_magnitudes(std::span<double const, batch> terms) {
   Bits2 const magnitude_bits = Bits2{} + std::numeric_limits<std::int64_t>::max();
   auto const magnitudes_at = [&](std::size_t k) {
@@ -38,7 +38,7 @@ double sum_of_magnitudes(std::span<double const, batch> terms) {
   return sum[0] + sum[1];
 }
 
-/// A term, or two at once, in three parts: its leading bits, those that follow, and the rest.
+/// A term, or two in one register, in three parts: its leading bits, the following bits, and the rest.
 template <class Number>
 struct Parts {
   Number leading;
@@ -46,9 +46,9 @@ struct Parts {
   Number rest;
 };
 
-/// The bits of x above the unit u = 2⁻⁵³σ are (σ + x) − σ, without error for |x| ≤ σ/2: a sum σ + x has no finer ones.
-/// All leading parts of a batch with Σ |x| ≤ σ/2 are multiples of u and together below σ, so that adding them is exact.
-/// What is left of each is at most u, and is taken apart in the same way.
+/// The bits of x above the unit u = 2⁻⁵³σ are (σ + x) − σ, exactly for |x| ≤ σ/2, because σ + x has no finer bits. All
+/// leading parts of a batch with Σ |x| ≤ σ/2 are multiples of u and together below σ, so that their sum is exact. The
+/// rest of each term is at most u and is split in the same way.
 /// Source: S. M. Rump, T. Ogita & S. Oishi, Accurate floating-point summation (2008), doi:10.1137/050645671.
 template <class Number>
 inline Parts<Number> parts_of(Number x, double sigma, double next_sigma) {
@@ -58,7 +58,7 @@ inline Parts<Number> parts_of(Number x, double sigma, double next_sigma) {
   return {leading, following, left - following};
 }
 
-/// The sums of the parts of a whole batch.
+/// The sums of the parts of a batch.
 struct SumsOfParts {
   Double2 leading{};
   Double2 following{};
@@ -75,7 +75,7 @@ struct SumsOfParts {
 }  // namespace
 
 void ExactSum::add(std::span<double const> terms) {
-  // Between these magnitudes the numbers that terms are rounded to, σ and smaller powers of two, are normal and finite.
+  // Between these magnitudes σ and the smaller powers of two that terms are rounded to are normal and finite.
   constexpr double least = 1e-200;
   constexpr double most = 1e300;
   for (; terms.size() >= batch; terms = terms.subspan(batch)) {
@@ -87,7 +87,7 @@ void ExactSum::add(std::span<double const> terms) {
       continue;
     }
     double const sigma = std::ldexp(1.0, std::ilogb(magnitude) + 2);
-    // Twice the rests of a batch.
+    // Twice the sum of the rests of a batch.
     double const next_sigma = sigma * 0x1p-44;
     SumsOfParts even;
     SumsOfParts odd;
@@ -108,8 +108,7 @@ void ExactSum::add(std::span<double const> terms) {
 
 void ExactSum::add(ExactSum const& other) { add_packed(other.packed()); }
 
-/// The first number has the place of the first limb and, above it, a bit for each number that is not finite; the limbs
-/// follow.
+/// Returns the index of the first limb with a flag for each kind of term that is not finite above it, then the limbs.
 std::vector<std::int64_t> ExactSum::packed() const {
   ExactSum carried = *this;
   carried.carry();
@@ -139,7 +138,7 @@ void ExactSum::add_packed(std::span<std::int64_t const> numbers) {
   for (std::size_t k = 0; k < added.size(); ++k) limbs_[first + k] += added[k];
   first_ = std::min(first_, first);
   end_ = std::max(end_, first + static_cast<std::uint32_t>(added.size()));
-  // The rest that a carry has left in a limb is less than a term adds to it.
+  // A limb after a carry is smaller than a term, so the limbs cannot overflow before the next carry.
   if (--terms_until_carry_ == 0) carry();
 }
 
@@ -179,7 +178,7 @@ double ExactSum::value() const {
   std::size_t top = magnitude.end_;
   while (top > first_ && magnitude.limbs_[top - 1] == 0) --top;
   if (top == first_) return 0.0;
-  // The limbs beneath the highest one are together less than one of it.
+  // The limbs below the highest are together less than one unit of it.
   bool const is_negative = magnitude.limbs_[top - 1] < 0;
   std::int64_t borrowed = 0;
   for (std::size_t k = first_; k < top; ++k) {
@@ -191,15 +190,15 @@ double ExactSum::value() const {
   auto const limb_at = [&](std::size_t k) {
     return k < limbs ? static_cast<std::uint64_t>(magnitude.limbs_[k]) : std::uint64_t{0};
   };
-  // The last limb begins above the largest double.
+  // The last limb is above the largest double.
   if (top == limbs)
     return is_negative ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
-  // Bits are counted from that of 2⁻¹⁰⁷⁵, which is always 0: a subnormal number begins at bit 1.
+  // Bits are counted from that of 2⁻¹⁰⁷⁵, which is always 0: the lowest subnormal bit is bit 1.
   std::size_t const bits = (top - 1) * limb_bits + static_cast<std::size_t>(std::bit_width(limb_at(top - 1)));
   std::size_t const lowest = bits > mantissa_bits + 2 ? bits - (mantissa_bits + 1) : 1;
   std::size_t const limb = lowest / limb_bits;
   std::size_t const offset = lowest % limb_bits;
-  // Three limbs from the lowest bit on: 53 bits and more.
+  // Three limbs from the lowest bit on hold at least 53 bits.
   std::uint64_t mantissa = (limb_at(limb) | limb_at(limb + 1) << limb_bits) >> offset;
   if (offset > 0) mantissa |= limb_at(limb + 2) << (64 - offset);
   auto const is_set = [&](std::size_t bit) { return ((limb_at(bit / limb_bits) >> (bit % limb_bits)) & 1) != 0; };
@@ -209,7 +208,7 @@ double ExactSum::value() const {
     for (std::size_t k = first_; k < (lowest - 1) / limb_bits; ++k) is_above_half = is_above_half || limb_at(k) != 0;
     if (is_above_half || (mantissa & 1) != 0) ++mantissa;
   }
-  // The mantissa and the power of two are exact, and only what is too large for a double becomes infinite.
+  // Mantissa and power of two are exact; only a value above the largest double becomes infinite.
   double const value = std::ldexp(static_cast<double>(mantissa), static_cast<int>(lowest) - 1075);
   return is_negative ? -value : value;
 }

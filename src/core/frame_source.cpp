@@ -12,7 +12,7 @@ namespace gridlock {
 
 namespace {
 
-/// The rows of a view in the order of their Ids.
+/// A source of the rows of a view, in the order of their Ids.
 class AgentsSource final : public FrameSource {
  public:
   AgentsSource(Frame head, AgentsView const& agents) : FrameSource(std::move(head), agents.size()), agents_(agents) {
@@ -41,7 +41,7 @@ class AgentsSource final : public FrameSource {
   }
 
   AgentsView agents_;
-  std::vector<std::uint32_t> rows_;  ///< none where they are in order
+  std::vector<std::uint32_t> rows_;  ///< rows in the order of their Ids; empty where they are in this order
 };
 
 class SomeColumns final : public FrameSource {

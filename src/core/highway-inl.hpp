@@ -1,5 +1,5 @@
-// Shared by the kernels written with Google Highway. A source that is compiled once for every target includes it inside
-// of its part for one target, after <hwy/highway.h>; so the guard lets it through once for each.
+// Shared by kernels written with Google Highway. A file that is compiled once for every target includes it inside its
+// part for one target, after <hwy/highway.h>; so the include guard opens once for each target.
 
 #if defined(GRIDLOCK_CORE_HIGHWAY_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef GRIDLOCK_CORE_HIGHWAY_INL_HPP
@@ -20,7 +20,7 @@ namespace gridlock::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// One component of Box::displacement_inside() in a periodic box.
+/// Returns one component of Box::displacement_inside() in a periodic box.
 template <class V>
 HWY_INLINE V nearest_image(V d, double side) {
   hn::DFromV<V> const tag;
@@ -29,7 +29,7 @@ HWY_INLINE V nearest_image(V d, double side) {
   return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Add(moved_down, whole), moved_down);
 }
 
-/// Bit k is lane k of a mask of at most sixteen lanes.
+/// Returns the lanes of a mask as bits: bit k is lane k, for up to sixteen lanes.
 template <class Tag>
 HWY_INLINE unsigned bits_of(Tag tag, hn::Mask<Tag> mask) {
   static_assert(hn::MaxLanes(Tag()) <= 16);
@@ -47,7 +47,7 @@ HWY_INLINE V squared_length(V x, V y) {
 }
 
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
-/// Loads from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side into a register.
+/// Loads from[0], from[step], from[2 · step] …, `at_once` numbers from each address, into one register.
 template <std::size_t at_once, class Tag, class T>
 HWY_INLINE hn::Vec<Tag> side_by_side(Tag tag, T const* const* from, std::size_t step = 1) {
   if constexpr (hn::MaxLanes(Tag()) == at_once) {

@@ -19,15 +19,13 @@ namespace {
 constexpr std::size_t huge_page = std::size_t{1} << 21;
 constexpr std::size_t cache_line = 64;
 
-/// Where an array begins in its first huge page, another place for each of 32 arrays that follow one another.
-///
-/// A cache keeps a line in one of few places that the low bits of its address choose. Columns that all began at the
-/// border of a page, and are read side by side, would drive one another out.
+/// Returns the offset of an array in its first huge page, different for each of 32 consecutive arrays. Caches find
+/// lines by the low bits of addresses: columns that all began at a page border would evict each other.
 std::size_t next_shift() {
   static std::atomic<std::size_t> arrays{0};
   constexpr std::size_t places = 32;
   constexpr std::size_t lines_apart =
-      33;  // one more than a power of two, so that also caches of few bits see 32 places
+      33;  // one more than a power of two, so that caches that use few bits see 32 different offsets too
   return arrays.fetch_add(1, std::memory_order_relaxed) % places * lines_apart * cache_line;
 }
 
@@ -36,7 +34,7 @@ void* allocate_alone(std::size_t bytes) {
   std::size_t const shift = next_shift();
   auto* const memory = static_cast<std::byte*>(::operator new (shift + bytes, std::align_val_t{huge_page}));
 #if defined(__linux__)
-  // Only advice: where it is not taken the memory still works.
+  // The kernel may ignore this advice: the memory works without huge pages.
   static_cast<void>(madvise(memory, shift + bytes, MADV_HUGEPAGE));
 #endif
   return memory + shift;
@@ -48,9 +46,9 @@ void free_alone(void* memory, std::size_t bytes) noexcept {
   ::operator delete (static_cast<std::byte*>(memory) - shift, std::align_val_t{huge_page});
 }
 
-/// The line before each array.
+/// The header in the cache line before each array.
 struct alignas(cache_line) Head {
-  MemoryBlock* block;  ///< that it lies in, or nothing
+  MemoryBlock* block;  ///< block that contains the array, or nullptr
 };
 
 Head* head_of(void const* memory) {
@@ -62,8 +60,8 @@ Head* head_of(void const* memory) {
 struct MemoryBlock {
   std::byte* memory;
   std::size_t room;
-  std::size_t used = 0;                ///< by the thread that made it
-  std::atomic<std::size_t> users = 1;  ///< arrays in it, and its SideBySide
+  std::size_t used = 0;                ///< bytes used, changed only by the thread that made the block
+  std::atomic<std::size_t> users = 1;  ///< number of arrays in the block, plus its SideBySide
 };
 
 namespace {

@@ -9,7 +9,7 @@ namespace gridlock {
 
 namespace {
 
-/// Positions along the longer side are rounded to 16 digits of it; the shorter side must stay far above that.
+/// Largest ratio of the sides: rounding along the longer side must be far below the length of the shorter.
 constexpr double max_elongated = 1e10;
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace gridlock {
 
-/// The engines multiply up to four lengths, speeds and masses, and divide by as many.
+/// Bounds of lengths, speeds and masses: engines multiply up to four of them and divide by four more.
 inline constexpr double min_magnitude = 1e-60;
 inline constexpr double max_magnitude = 1e60;
 inline constexpr char const* magnitude_hint =
@@ -15,7 +15,7 @@ inline constexpr char const* magnitude_hint =
 
 inline bool has_bounded_magnitude(double value) { return value >= min_magnitude && value <= max_magnitude; }
 
-/// The reason why a box cannot be computed with: sides too large, too small, or too different from each other.
+/// Returns the reason why a box cannot be used: sides too large, too small, or too different from each other.
 std::optional<Problem> find_extreme_sides(Box const& box);
 
 }  // namespace gridlock

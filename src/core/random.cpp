@@ -16,7 +16,7 @@ void RandomStream::draw_block() {
 }
 
 std::uint64_t RandomStream::below(std::uint64_t bound) {
-  // Numbers under the remainder of 2⁶⁴ / bound would make the low residues more likely: draw again.
+  // Numbers below the remainder of 2⁶⁴ / bound would make low residues likelier, so they are drawn again.
   std::uint64_t const remainder = (0 - bound) % bound;
   std::uint64_t drawn = bits();
   while (drawn < remainder) drawn = bits();
@@ -24,8 +24,8 @@ std::uint64_t RandomStream::below(std::uint64_t bound) {
 }
 
 double RandomStream::normal() {
-  // The logarithm only decides whether a candidate is kept; the number returned comes from a division, which IEEE 754
-  // rounds exactly, so the last bit does not depend on the mathematical library.
+  // The logarithm only decides whether a candidate is accepted. The number returned comes from a division, which IEEE
+  // 754 rounds exactly, so its last bit does not depend on the mathematical library.
   constexpr double width = 1.71552776992141359295;  // 2 √(2/e)
   for (;;) {
     double const u = 1.0 - uniform();
@@ -36,7 +36,7 @@ double RandomStream::normal() {
 }
 
 double RandomStream::exponential() {
-  // A falling run u1 ≥ u2 ≥ … of odd length accepts u1 as the part after the point; every rejection adds 1.
+  // A descending run u1 ≥ u2 ≥ … of odd length accepts u1 as the fraction; every rejection adds 1.
   for (double whole = 0.0;; whole += 1.0) {
     double const first = uniform();
     double last = first;

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double without_limit = std::numeric_limits<double>::infinity();
-/// Version 1 writes "no limit" as the largest multiple of a page in 63 bits.
+/// Version 1 of cgroups writes "no limit" as the largest multiple of a page in 63 bits.
 constexpr double more_than_any_memory = 0x1p60;
 
 bool is_listed(std::string_view controllers, std::string_view controller) {
@@ -35,15 +35,15 @@ bool is_listed(std::string_view controllers, std::string_view controller) {
   return false;
 }
 
-/// The directories of the group `group` below a mount and of all groups around it.
+/// Adds the directories of `group` below a mount and of all groups around it.
 void add_groups(fs::path const& mount, fs::path const& group, std::vector<fs::path>& groups) {
   fs::path inner = fs::path("/" / group).lexically_normal().relative_path();
   for (; !inner.empty(); inner = inner.parent_path()) groups.push_back(mount / inner);
   groups.push_back(mount);
 }
 
-/// Directories in which limits of a controller may stand. Each line of the file is "number:controllers:group"; version
-/// 2 names no controllers. Inside a container the mount may begin at the group: then only the outer directories exist.
+/// Returns directories that may hold limits of a controller. A line of the file is "number:controllers:group"; version
+/// 2 names no controllers. In a container the mount may begin at the group: then only the outer directories exist.
 std::vector<fs::path> groups_with(std::string_view controller, fs::path const& root) {
   fs::path const mounts = root / "sys/fs/cgroup";
   std::vector<fs::path> groups;
@@ -65,7 +65,7 @@ std::vector<fs::path> groups_with(std::string_view controller, fs::path const& r
   return groups;
 }
 
-/// The numbers a file begins with; empty where there is no such file or it begins with a word, such as "max".
+/// Returns the numbers at the start of a file; none where the file is missing or begins with a word, such as "max".
 std::vector<double> numbers_in(fs::path const& path) {
   std::ifstream file(path);
   std::vector<double> numbers;
@@ -78,7 +78,7 @@ std::optional<double> number_in(fs::path const& path) {
   return numbers.empty() ? std::nullopt : std::optional(numbers.front());
 }
 
-/// The number after a name in a file of lines "name number".
+/// Returns the number after a name in a file of lines "name number".
 double entry_of(fs::path const& path, std::string_view name) {
   std::ifstream file(path);
   double number = 0.0;
@@ -88,7 +88,7 @@ double entry_of(fs::path const& path, std::string_view name) {
   return 0.0;
 }
 
-/// Bytes left of a limit; infinite where the files do not exist or set none.
+/// Returns the bytes left below a limit; infinite where the files are missing or set none.
 double left_of(fs::path const& limit, fs::path const& used, fs::path const& statistics, std::string_view unused_cache) {
   auto const most = number_in(limit);
   if (!most || *most >= more_than_any_memory) return without_limit;
@@ -96,10 +96,10 @@ double left_of(fs::path const& limit, fs::path const& used, fs::path const& stat
   return std::max(0.0, *most - std::max(0.0, in_use));
 }
 
-/// Cores of the affinity mask of the calling thread; nothing where the system does not say.
+/// Returns the number of cores in the calling thread's affinity mask; nothing where the system does not report it.
 std::optional<std::size_t> cores_of_mask() {
 #if defined(__linux__)
-  // The kernel refuses a mask with room for fewer cores than it knows.
+  // The kernel refuses a mask with bits for fewer cores than it knows.
   for (std::size_t room = 1024; room <= 1U << 20U; room *= 2) {
     std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> const mask(CPU_ALLOC(room), [](cpu_set_t* m) { CPU_FREE(m); });
     if (!mask) return std::nullopt;

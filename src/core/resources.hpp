@@ -5,21 +5,21 @@
 
 namespace gridlock {
 
-/// The cores and the memory that the operating system lets this process use. The one place that asks: cores and memory
-/// of the whole machine are more than a job, a container or `taskset` grants.
+/// The cores and the memory that the operating system grants this process. Other code must not ask for them itself: the
+/// whole machine has more than a job, a container or `taskset` grants.
 ///
-/// Limits of control groups (cgroups, version 1 or 2) are those of the process's own group and of all groups around it,
-/// by the files below `root`/proc and `root`/sys; a test puts its own there.
+/// Limits of control groups (cgroups, version 1 or 2) are those of the process's group and of all groups around it,
+/// read from `root`/proc and `root`/sys; a test passes a root of its own.
 
-/// Cores that threads of this process can run on at the same time, at least 1: those of its affinity mask, and no more
-/// than the processor time that its control groups grant, a part of a core counted as one.
-/// Cost: some 50 µs, for files that are read anew every time.
+/// Returns the number of cores on which threads of this process can run at the same time, at least 1. It is that of the
+/// affinity mask, at most the processor time that control groups grant, rounded up to whole cores.
+/// Cost: some 50 µs, because files are read at every call.
 std::size_t usable_cores(std::filesystem::path const& root = "/");
 
-/// Processor time that the control groups grant, in cores (quota over period); infinite without a limit.
+/// Returns the processor time that control groups grant, in cores (quota over period); infinite without a limit.
 double granted_cores(std::filesystem::path const& root = "/");
 
-/// Bytes that the control groups leave, where page cache that is not in use counts as free; infinite without a limit.
+/// Returns the bytes that control groups leave; unused page cache counts as free. Infinite without a limit.
 double granted_memory(std::filesystem::path const& root = "/");
 
 }  // namespace gridlock

@@ -5,7 +5,7 @@
 
 namespace gridlock {
 
-/// Sorts values and keeps one of those that are equal.
+/// Sorts values and removes duplicates.
 template <class Value>
 void sort_and_drop_repeats(std::vector<Value>& values) {
   std::sort(values.begin(), values.end());

@@ -21,7 +21,7 @@ std::optional<double> temperature_between_walls(std::size_t agents, double kinet
 std::optional<double> periodic_temperature(std::size_t agents, double kinetic_energy, Vector momentum, double mass) {
   if (agents < 2) return std::nullopt;
   double const drift_energy = 0.5 * squared_length(momentum) / mass;
-  // Disks that all move alike differ from their drift by rounding only, which may be negative.
+  // For disks that all move alike the two energies differ by rounding only, and the difference may be negative.
   return std::max(0.0, kinetic_energy - drift_energy) / (static_cast<double>(agents) - 1.0);
 }
 

@@ -23,8 +23,7 @@ namespace {
 
 constexpr std::uint64_t max_threads = 1024;
 
-/// Who waits for less than that stays awake: to fall asleep and be woken takes some 50 µs on a virtual machine, as long
-/// as a small round of work.
+/// Threads stay awake for this long: to fall asleep and wake takes some 50 µs, as long as a small round of work.
 constexpr std::chrono::microseconds awake_for(100);
 
 std::size_t number_of(std::uint64_t threads) {
@@ -32,7 +31,7 @@ std::size_t number_of(std::uint64_t threads) {
   return static_cast<std::size_t>(std::min(threads, max_threads));
 }
 
-/// Asked once: reading what says so takes longer than starting the threads of a short piece of work.
+/// Returns the number of usable cores, read once: reading it takes longer than starting the threads of a short job.
 std::size_t cores_at_first() {
   static std::size_t const cores = usable_cores();
   return cores;
@@ -46,13 +45,14 @@ void pause() {
 
 }  // namespace
 
-/// The parts are handed out in ranges, one for each thread and the same ones for the same number of parts, so that a
-/// thread finds in its cache what it left there; who is done with its own range helps the others.
+/// Parts are divided into ranges, one for each thread and always the same for the same number of parts, so that a
+/// thread finds in its cache what it wrote before. A thread that has finished its range takes parts of others.
 ///
 ///     caller   open ── own range, others' ── close ── nobody inside? ── return
 ///     member        enter, is it open? ── own range, others' ── leave
 ///
-/// A member enters before it asks and the caller closes before it asks, so one of them always sees the other.
+/// A member enters before it reads whether the work is open, and the caller closes it before it reads who is inside: so
+/// at least one of the two sees the other.
 class ThreadPool::Crew {
  public:
   explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < cores_at_first()) {
@@ -91,7 +91,7 @@ class ThreadPool::Crew {
   }
 
  private:
-  /// On a cache line of its own: every thread counts in its own range.
+  /// The next part and the end of a thread's range, on a cache line of its own, because every thread writes to its own.
   struct alignas(64) Range {
     std::atomic<std::size_t> next = 0;
     std::size_t end = 0;
@@ -99,8 +99,8 @@ class ThreadPool::Crew {
 
   void dismiss() {
     if (process_ != getpid()) {
-      // After a fork the threads are those of the parent. To wait for them would be to wait for others of this process,
-      // for a system may give these the same names: they are left alone, and so is their memory.
+      // After a fork the threads exist in the parent only. Joining them could join other threads of this process, to
+      // which the system may give the same names. So they are not joined, and their memory is not freed.
       // cppcheck-suppress leakReturnValNotUsed
       static_cast<void>(new std::vector<std::thread>(std::move(members_)));
       return;
@@ -115,7 +115,7 @@ class ThreadPool::Crew {
     std::uint64_t seen = 0;
     while (true) {
       wait_while(calls_, seen);
-      // Before the question: a dismissal after it is one more call, which is not seen yet.
+      // Read before is_dismissed_: a dismissal after this line is one more call, which the member then notices.
       seen = calls_;
       if (is_dismissed_) return;
       ++inside_;
@@ -124,7 +124,7 @@ class ThreadPool::Crew {
     }
   }
 
-  /// Returns when `number` is no longer `known`, if not before.
+  /// Waits until `number` differs from `known`.
   template <class Number>
   void wait_while(std::atomic<Number> const& number, Number known) const {
     if (stays_awake_) {
@@ -161,10 +161,10 @@ class ThreadPool::Crew {
   std::atomic<std::uint64_t> calls_ = 0;
   std::atomic<bool> is_open_ = false;
   std::atomic<bool> is_dismissed_ = false;
-  std::atomic<std::size_t> inside_ = 0;  ///< members that may be at work
+  std::atomic<std::size_t> inside_ = 0;  ///< number of members that may be working
   std::function<void(std::size_t)> const* carry_out_ = nullptr;
   std::vector<Range> ranges_;
-  bool stays_awake_;  ///< not where threads share a core
+  bool stays_awake_;  ///< false where threads share a core
   std::mutex failure_mutex_;
   std::size_t failed_part_ = std::numeric_limits<std::size_t>::max();
   std::exception_ptr failure_;

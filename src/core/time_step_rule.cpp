@@ -14,7 +14,7 @@ TimeStepCaveats time_step_caveats(Box const& box, Disks const& disks) {
 TimeStepCaveats time_step_caveats(Box const& box, double covered_area) {
   TimeStepCaveats caveats{.centre_drifts = box.is_periodic(), .too_dense = std::nullopt};
   double const packing_fraction = covered_area / box.area();
-  // A packing fraction that was asked for comes back with the rounding of radii and areas.
+  // The packing fraction of a state differs from the one asked for by the rounding of radii and areas.
   constexpr double rounding = 1e-12;
   if (packing_fraction > TimeStepCaveats::largest_packing_fraction * (1.0 + rounding)) {
     caveats.too_dense = packing_fraction;

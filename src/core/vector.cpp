@@ -10,13 +10,12 @@ namespace gridlock {
 
 namespace {
 
-/// Two numbers that are added and multiplied in one instruction on every 64-bit processor, each rounded as IEEE 754
-/// asks.
+/// Two numbers that every 64-bit processor adds or multiplies in one instruction, each rounded as in IEEE 754.
 using Double2 = double __attribute__((vector_size(16)));
 
-/// Taylor's series of sine and cosine to x¹⁷ and x¹⁶ on |x| ≤ π/4, where the first term left out is below 1e-18.
+/// Returns cosine and sine by Taylor series to x¹⁶ and x¹⁷ for |x| ≤ π/4; the first terms left out are below 1e-18.
 Vector direction_near_zero(double x) {
-  // Side by side, since each step of one series waits for the step before.
+  // The two series are computed together, since each step of a series waits for the step before.
   constexpr std::array<Double2, 8> terms{Double2{1.0 / 20922789888000.0, 1.0 / 355687428096000.0},
                                          Double2{-1.0 / 87178291200.0, -1.0 / 1307674368000.0},
                                          Double2{1.0 / 479001600.0, 1.0 / 6227020800.0},
@@ -31,7 +30,7 @@ Vector direction_near_zero(double x) {
   return {1.0 + s * sum[0], x + x * s * sum[1]};
 }
 
-/// The nearest whole number, for numbers below 2⁵¹: beside so large a number there is no room for a fraction.
+/// Returns the nearest whole number. Contract: |x| < 2⁵¹; then the sum with `large` has no bits for a fraction.
 double nearest_whole(double x) {
   constexpr double large = 0x1.8p52;
   return (x + large) - large;
@@ -41,7 +40,7 @@ double nearest_whole(double x) {
 
 Vector direction(double angle) {
   constexpr double quarters_per_radian = 0.63661977236758134308;  // 2/π
-  // π/2 in two parts, the first with so few bits that its multiples are exact.
+  // π/2 is the sum of two parts; the first has so few bits that its multiples are exact.
   constexpr double quarter_high = 1.57079632673412561417;
   constexpr double quarter_low = 6.07710050650619224932e-11;
   double const quarters = nearest_whole(angle * quarters_per_radian);

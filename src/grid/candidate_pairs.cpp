@@ -15,7 +15,7 @@ using LocalPoint = PackedGrid::LocalPoint;
 
 constexpr std::array<unsigned, PackedGrid::slots> later_slots{14U, 12U, 8U, 0U};
 
-/// Writes the pairs of an agent with the slots of a block whose bits are set and returns where they end.
+/// Writes the pairs of an agent with the slots of a block whose bits are set. Returns the end of the pairs.
 inline PairBuffer::Pair* write_pairs(std::uint32_t agent, Block const& block, unsigned slots_set,
                                      PairBuffer::Pair* pair) {
   for (std::size_t s = 0; s < PackedGrid::slots; ++s) {
@@ -25,7 +25,8 @@ inline PairBuffer::Pair* write_pairs(std::uint32_t agent, Block const& block, un
   return pair;
 }
 
-/// For blocks of cells that go around a periodic box: whole ones, and of each pair the agent of the higher row.
+/// Finds pairs for blocks that go around a periodic box: it searches whole blocks and keeps each pair for its higher
+/// row.
 void find_pairs_of_whole_blocks(PackedGrid const& grid, int reach_columns, int reach_rows, PairBuffer& buffer) {
   CellNumbers const cells(grid.layout(), grid.window());
   for (int row = 0; row < cells.rows(); ++row) {
@@ -134,7 +135,7 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
   int const columns = layout.columns_within(cutoff);
   int const rows = layout.rows_within(cutoff);
   PairBuffer buffer(on_pairs);
-  // Half of the block, to the right and above, meets every pair once; unless the block goes around the box.
+  // Half of the block, to the right and above, finds every pair once, unless the block goes around the box.
   bool const goes_around =
       layout.is_periodic() && (2.0 * columns + 1.0 > layout.columns() || 2.0 * rows + 1.0 > layout.rows());
   if (goes_around) {
@@ -148,7 +149,7 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
 }
 
 bool are_scattered(std::span<AgentPair const> pairs) {
-  // Their targets are some lines of memory apart.
+  // Agents whose rows differ by more than this have their lists far apart in memory.
   constexpr std::uint32_t far = 256;
   constexpr std::size_t sample = 16;
   std::size_t scattered = 0;

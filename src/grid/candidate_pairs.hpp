@@ -11,24 +11,24 @@
 
 namespace gridlock {
 
-/// Pairs found but not yet handed out. Whether a candidate is a pair is as good as random, so asking would stall the
-/// processor at every other pair; instead every candidate is written and only the count depends on the answer.
+/// A buffer of pairs for on_pairs. A processor cannot guess whether a candidate is a pair, and would stall at every
+/// other one: so every candidate is written, and only the count depends on the comparison.
 class PairBuffer {
  public:
   using Pair = AgentPair;
-  /// Pairs that may be written behind the last one that counts.
+  /// Number of pairs that may be written behind the last valid one.
   static constexpr std::size_t slack = 16;
-  /// The most that are kept before they are handed out.
+  /// Largest number of pairs that are kept before on_pairs is called.
   static constexpr std::size_t capacity = 1024;
 
   explicit PairBuffer(OnPairs const& on_pairs) : on_pairs_(on_pairs) {}
 
-  /// Where the next pairs are written, at most `pairs` of which count.
+  /// Returns where to write the next pairs. At most `pairs` of them may be kept.
   Pair* room_for(std::size_t pairs) {
     if (size_ + pairs > capacity) flush();
     return pairs_.data() + size_;
   }
-  /// All that was written before `end` counts.
+  /// Keeps the pairs that were written before `end`.
   void keep_until(Pair const* end) { size_ = static_cast<std::size_t>(end - pairs_.data()); }
   void flush() {
     on_pairs_({pairs_.data(), size_});
@@ -41,54 +41,54 @@ class PairBuffer {
   OnPairs const& on_pairs_;
 };
 
-/// A block that the agents of a cell look at, and what is added to their places to see them from there.
+/// A block that the agents of a cell look at, and the shift of their positions that makes them relative to its cell.
 struct SeenBlock {
   PackedGrid::Block const* block;
   float shift_x;
   float shift_y;
 };
 
-/// The half of a block of cells, to the right and above, that meets every pair once.
+/// The half of a block of cells, to the right and above, that finds every pair once.
 struct HalfBlock {
   PackedGrid const& grid;
   int reach_columns;
   int reach_rows;
   float limit;                       ///< PackedGrid::local_limit()
-  std::vector<SeenBlock> seen = {};  ///< room for blocks_seen_from()
+  std::vector<SeenBlock> seen = {};  ///< memory for blocks_seen_from()
 };
 
 // Columns and rows count from 0 in the window of the grid.
 
-/// The blocks of a cell, then those of the cells of its half block, in the order in which each of its agents looks at
-/// them: at its own block first, at the later slots of it only, and not at the blocks before.
+/// Returns the blocks of a cell, then those of the cells of its half block, in the order in which its agents look at
+/// them. An agent looks at the later slots of its own block, and not at the blocks of its cell before that.
 std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row);
 
-/// The candidates of one cell.
+/// Adds the candidate pairs of one cell.
 void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& buffer);
 
-/// The most blocks beside its own an agent looks at in kernels for wide registers; more, which takes hundreds of agents
-/// nearby, are for the scalar version.
+/// Largest number of blocks, beside its own, that an agent looks at in kernels for wide registers. More, which takes
+/// hundreds of agents nearby, are left to the scalar kernel.
 constexpr std::size_t max_blocks_seen = 32;
 
-/// A kernel: the candidates of a row of cells.
+/// A kernel, which adds the candidate pairs of a row of cells.
 using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);
 
-/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same
-/// order, which a test compares. Contract: is_available(target).
+/// Returns the kernel for these instructions, or for the next simpler ones that have a kernel. All add the same pairs
+/// in the same order, as a test verifies. Contract: is_available(target).
 AddPairsOfRow add_pairs_kernel(Target target);
 
 void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer);
 
-// The kernels of one file each; nullptr where it has none for these instructions.
+// Kernels of one file each; nullptr where the file has none for these instructions.
 
 AddPairsOfRow add_pairs_with_avx512(Target target);
 AddPairsOfRow add_pairs_with_highway(Target target);
 
-/// PackedGrid::find_candidate_pairs() by one of the kernels.
+/// Calls PackedGrid::find_candidate_pairs() with one of the kernels.
 void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
                           OnPairs const& on_pairs);
 
-/// The five blocks of a cell in a row whose half block is that of 3×3 cells.
+/// The five blocks of a cell and its half block, for cells in a row and blocks of 3×3 cells.
 struct FiveBlocks {
   PackedGrid::Block const& home;
   PackedGrid::Block const& east;
@@ -96,7 +96,7 @@ struct FiveBlocks {
   PackedGrid::Block const& north;
   PackedGrid::Block const& north_east;
 
-  /// Whether each of the five cells has one block only.
+  /// Returns whether each of the five cells has only one block.
   [[nodiscard]] bool are_all() const {
     return (home.next & east.next & north_west.next & north.next & north_east.next) == PackedGrid::none;
   }
@@ -109,12 +109,12 @@ class PlacesOfWindow {
       : first_(first), count_(end - first), goes_around_(is_periodic && count_ == all) {}
 
   [[nodiscard]] int count() const { return count_; }
-  /// The column or row that block_at() takes; that of an empty cell for a place which is none.
+  /// Returns the column or row for block_at(). A place outside the window has the index of an empty cell.
   [[nodiscard]] int at(int place) const {
     if (place >= 0 && place < count_) return first_ + place;
     return first_ + (!goes_around_ ? count_ : place < 0 ? place + count_ : place - count_);
   }
-  /// Whether there is such a place.
+  /// Returns whether the window has such a column or row.
   [[nodiscard]] bool has(int place) const { return goes_around_ || (place >= 0 && place < count_); }
 
  private:
@@ -132,8 +132,8 @@ inline PlacesOfWindow rows_of_window(PackedGrid const& grid) {
   return {window.first_row, window.end_row, grid.layout().rows(), grid.layout().is_periodic()};
 }
 
-/// The cells of a row of the window and what they look at. Copies what it needs of the grid: the compiler cannot know
-/// that the pairs written in between change none of it.
+/// The cells of a row of the window and the blocks that they look at. It copies fields of the grid, because a compiler
+/// cannot know that writing pairs does not change them.
 class RowOfCells {
  public:
   RowOfCells(PackedGrid const& grid, int row) : RowOfCells(grid, row, columns_of_window(grid)) {}

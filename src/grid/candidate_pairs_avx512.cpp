@@ -1,8 +1,7 @@
 #include "core/avx512.hpp"
 #include "grid/candidate_pairs.hpp"
 
-// By hand: one instruction moves what is near together, so that the kernel written with Highway takes 1.1 times as
-// long.
+// Written by hand, because one instruction moves the kept lanes together: Highway takes 1.1 times as long.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
@@ -17,7 +16,7 @@ using Block = PackedGrid::Block;
 
 static_assert(PairBuffer::slack >= 16);
 
-/// Four blocks in one register for each property, and what is added to a point to see it from their cells.
+/// Four blocks in one register for each property, and the shift of a point that makes it relative to their cells.
 struct FourBlocks {
   __m512 x;
   __m512 y;
@@ -40,15 +39,15 @@ GRIDLOCK_AVX512 inline void load(FourBlocks& four, Block const& a, Block const& 
   four.agent = side_by_side(a.agent.data(), b.agent.data(), c.agent.data(), d.agent.data());
 }
 
-/// Pairs of an agent, which is in the lower half of each lane, with eight others.
+/// Returns pairs of an agent, in the lower half of each lane, with eight others.
 GRIDLOCK_AVX512 inline __m512i pairs_of(__m512i agent, __m256i others) {
   return _mm512_or_si512(agent, _mm512_slli_epi64(_mm512_cvtepu32_epi64(others), 32));
 }
 
-// The same operations in the same order as in add_pairs_of_row_scalar(), so that they round alike. What is near is
-// moved together in a register and written whole: writing only some of the lanes takes ten times as long.
+// Operations and their order are those of add_pairs_of_row_scalar(), so that they round alike. Kept lanes are moved
+// together and the register is written whole: writing single lanes takes ten times as long.
 
-/// Writes the pairs of the agent in slot s with those in later slots of its block and returns their end.
+/// Writes the pairs of the agent in slot s with agents in later slots of its block. Returns the end of the pairs.
 GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs_at_home(Block const& home, std::uint32_t s, __m512 limit,
                                                              PairBuffer::Pair* pair) {
   __m128 const dx = _mm_sub_ps(_mm_load_ps(home.x.data()), _mm_set1_ps(home.x[s]));
@@ -63,7 +62,7 @@ GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs_at_home(Block const& home, 
   return pair + std::popcount(static_cast<unsigned>(near));
 }
 
-/// The same with those in four other blocks.
+/// Writes the pairs of the agent in slot s with agents in four other blocks. Returns the end of the pairs.
 GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs(Block const& home, std::uint32_t s, FourBlocks const& four,
                                                      __m512 limit, PairBuffer::Pair* pair) {
   __m512 const dx = _mm512_sub_ps(four.x, _mm512_add_ps(_mm512_set1_ps(home.x[s]), four.shift_x));
@@ -74,16 +73,16 @@ GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs(Block const& home, std::uin
   __m512i const agent = _mm512_set1_epi64(home.agent[s]);
   auto const count = static_cast<std::size_t>(std::popcount(static_cast<unsigned>(near)));
   _mm512_storeu_si512(pair, pairs_of(agent, _mm512_castsi512_si256(others)));
-  // Rarely more than eight of sixteen candidates are near.
+  // Seldom more than eight of sixteen candidates are near.
   if (count > 8) _mm512_storeu_si512(pair + 8, pairs_of(agent, _mm512_extracti32x8_epi32(others, 1)));
   return pair + count;
 }
 
-/// The pairs of a cell that looks at up to max_blocks_seen blocks.
+/// Adds the pairs of a cell that looks at up to max_blocks_seen blocks.
 GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock const> seen, __m512 limit,
                                        PairBuffer& buffer) {
   Block const* home = seen.front().block;
-  // Fills the last register where the blocks are no multiple of four.
+  // Empty blocks fill the last register where the number of blocks is no multiple of four.
   SeenBlock const nobody{&grid.empty_block(), 0.0F, 0.0F};
   std::array<FourBlocks, max_blocks_seen / 4> fours;
   for (std::size_t k = 1;; ++k) {

@@ -2,9 +2,9 @@
 
 #include "grid/candidate_pairs.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
-// of Highway are used; target() chooses which of the kernels is called. AVX-512 has a kernel by hand beside. Registers
-// of SVE have no size and fit in no struct.
+// This file is written once with Google Highway and compiled once for every target below, because it includes itself.
+// It uses only headers of Highway; target() chooses the kernel. AVX-512 has a kernel written by hand; SVE is left out,
+// because its registers have no fixed size, so no struct can hold them.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "grid/candidate_pairs_highway.cpp"
@@ -14,7 +14,7 @@
 #include "core/highway-inl.hpp"
 #include "grid/write_pairs-inl.hpp"
 
-// The plain C++ beside is faster than Highway's one lane.
+// Without vector instructions the plain C++ in candidate_pairs.cpp is faster than Highway with one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
@@ -25,16 +25,16 @@ namespace {
 using Block = PackedGrid::Block;
 
 constexpr std::size_t slots = PackedGrid::slots;
-/// Two blocks in a register where it has room for them.
+/// Two blocks in a register, or one where registers are narrow.
 using Numbers = hn::CappedTag<float, 2 * slots>;
 constexpr std::size_t blocks_per_register = hn::MaxLanes(Numbers()) / slots;
 constexpr std::size_t max_registers = max_blocks_seen / blocks_per_register;
 using Register = hn::Vec<Numbers>;
 static_assert(PairBuffer::slack >= slots);
 
-/// Agents of blocks and what is added to a point to see it from their cells.
+/// The agents of a register's blocks, and the shift of a point that makes it relative to their cells.
 struct SeenRegister {
-  HWY_INLINE SeenRegister() {}  // NOLINT: one that the compiler writes is not compiled for the target
+  HWY_INLINE SeenRegister() {}  // NOLINT: a default constructor would not be compiled for the target
 
   Register x;
   Register y;
@@ -43,7 +43,7 @@ struct SeenRegister {
   std::uint32_t const* agents[blocks_per_register];
 };
 
-// A template, so that what needs room for two blocks is not compiled where there is none.
+// A template, so that code for two blocks is not compiled where a register holds one.
 
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> each_four_times(Tag tag, float a, float b) {
@@ -55,7 +55,7 @@ HWY_INLINE hn::Vec<Tag> each_four_times(Tag tag, float a, float b) {
   }
 }
 
-/// Two blocks, or the first one where a register has room for one.
+/// Loads two blocks, or the first where a register holds one.
 HWY_INLINE void load(SeenRegister& seen, Block const& a, Block const& b) {
   float const* const x[] = {a.x.data(), b.x.data()};
   float const* const y[] = {a.y.data(), b.y.data()};
@@ -65,9 +65,9 @@ HWY_INLINE void load(SeenRegister& seen, Block const& a, Block const& b) {
   if constexpr (blocks_per_register == 2) seen.agents[blocks_per_register - 1] = b.agent.data();
 }
 
-// The same operations in the same order as in add_pairs_of_row_scalar(), so that they round alike.
+// Operations and their order are those of add_pairs_of_row_scalar(), so that they round alike.
 
-/// Writes the pairs of the agent in slot s with those in later slots of its block and returns their end.
+/// Writes the pairs of the agent in slot s with agents in later slots of its block. Returns the end of the pairs.
 HWY_INLINE PairBuffer::Pair* write_pairs_at_home(Block const& home, std::uint32_t s, float limit,
                                                  PairBuffer::Pair* pair) {
   hn::FixedTag<float, slots> const tag;
@@ -79,7 +79,7 @@ HWY_INLINE PairBuffer::Pair* write_pairs_at_home(Block const& home, std::uint32_
   return write_pairs(home.agent[s], home.agent.data(), near, pair);
 }
 
-/// The same with those in other blocks.
+/// Writes the pairs of the agent in slot s with agents in other blocks. Returns the end of the pairs.
 HWY_INLINE PairBuffer::Pair* write_pairs_with(Block const& home, std::uint32_t s, SeenRegister const& seen, float limit,
                                               PairBuffer::Pair* pair) {
   Numbers const tag;
@@ -94,11 +94,11 @@ HWY_INLINE PairBuffer::Pair* write_pairs_with(Block const& home, std::uint32_t s
   return pair;
 }
 
-/// The pairs of a cell that looks at up to max_blocks_seen blocks.
+/// Adds the pairs of a cell that looks at up to max_blocks_seen blocks.
 HWY_NOINLINE void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock const> seen, float limit,
                                     PairBuffer& buffer) {
   Block const* home = seen.front().block;
-  // Fills the last register where the blocks are no multiple of those in one.
+  // Empty blocks fill the last register.
   SeenBlock const nobody{&grid.empty_block(), 0.0F, 0.0F};
   SeenRegister registers[max_registers];
   for (std::size_t k = 1;; ++k) {

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::uint64_t max_cells = std::uint64_t{1} << 31;
 
-/// Whole cells of at least `cutoff` along a side; at least one.
+/// Returns the number of cells at least as wide as the cutoff that fit along a side; at least one.
 std::uint64_t cells_along(double side, double cutoff, double most) {
-  // A hair more than the cutoff, so that the margin of columns_within() does not ask for a second ring of cells. The
-  // place of a point, in cells, is wrong by some 1e-16 of the cells along the side: a hair more than that, too, or
-  // points a cutoff apart might be two cells apart.
+  // Cells are slightly wider than the cutoff, so that the margin of columns_within() does not require a second ring of
+  // cells. The rounding of a point's position is some 1e-16 of the number of cells; without a margin for it, points one
+  // cutoff apart could be two cells apart.
   double const margin = std::max(1e-9, 1e-15 * std::min(side / cutoff, most));
   double const cells = std::min(std::floor(side / (cutoff * (1.0 + margin))), std::floor(most));
   return cells > 1.0 ? static_cast<std::uint64_t>(cells) : 1;
@@ -51,7 +51,7 @@ int CellLayout::index_from_outside(double p, double per_length, int count, doubl
 
 CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents, double cells_per_agent) {
   require_cutoff(cutoff);
-  // Cells far smaller in number than agents would make long lists; far more would only be empty memory.
+  // Far fewer cells than agents would make long lists; far more would waste memory.
   double const most =
       std::min(cells_per_agent * static_cast<double>(agents) + 1.0, 0.99 * static_cast<double>(max_cells));
   double const columns = std::sqrt(most * (box.width() / box.height()));

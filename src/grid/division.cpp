@@ -8,8 +8,8 @@ namespace gridlock {
 
 namespace {
 
-/// Where to cut a row of weights so that piece k has about shares[k] of their sum; the last entry is the end. While
-/// there are enough weights each piece has at least one.
+/// Returns where to cut a row of weights so that piece k has about shares[k] of their sum; the last entry is the end.
+/// Each piece has at least one weight while there are enough.
 std::vector<std::size_t> cuts(std::span<std::uint64_t const> weights, std::span<std::size_t const> shares) {
   std::size_t const pieces = shares.size();
   auto const sum = static_cast<double>(std::reduce(weights.begin(), weights.end()));
@@ -22,7 +22,7 @@ std::vector<std::size_t> cuts(std::span<std::uint64_t const> weights, std::span<
   for (std::size_t k = 1; k < pieces; ++k) {
     shares_so_far += shares[k - 1];
     double const goal = sum * static_cast<double>(shares_so_far) / all_shares;
-    // The middle of a weight decides on which side of the cut it is.
+    // A weight belongs to the piece in which its middle lies.
     while (n < weights.size() && so_far + 0.5 * static_cast<double>(weights[n]) < goal) {
       so_far += static_cast<double>(weights[n++]);
     }

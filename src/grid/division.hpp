@@ -10,11 +10,11 @@
 
 namespace gridlock {
 
-/// The weight of each column, in rows first_row … end_row − 1.
+/// Returns the weight of each column, summed over rows first_row … end_row − 1.
 using WeightsOfColumns = std::function<std::vector<std::uint64_t>(std::size_t first_row, std::size_t end_row)>;
 
-/// Cuts columns and rows of tiles or cells into a rectangle for each part: strips of rows, each cut into rectangles,
-/// with about as much weight in each. `shape` is the height over the width. Parts beyond the number of tiles have none.
+/// Divides columns and rows of tiles or cells into one rectangle for each part: strips of rows, each cut into
+/// rectangles of about equal weight. `shape` is height over width. Parts beyond the number of tiles get no rectangle.
 ///
 ///     ┌────┬──┬───┐
 ///     │ 3  │4 │ 5 │

@@ -12,7 +12,7 @@ std::size_t find(RowSearch const& search, std::span<RowRange const> ranges, std:
   std::size_t count = 0;
   for (RowRange const& range : ranges) {
     for (std::size_t row = range.first; row < range.end; ++row) {
-      // Every candidate is written, and only the count depends on the answer.
+      // Every candidate is written; only the count depends on the comparison.
       found[count] = static_cast<std::uint32_t>(row);
       bool const is_near =
           squared_length(displacement(search.p, Vector{search.x[row], search.y[row]})) < search.squared_cutoff;

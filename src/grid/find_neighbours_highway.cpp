@@ -3,9 +3,9 @@
 
 #include "grid/find_neighbours_kernels.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
-// of Highway are used; target() chooses which of the kernels is called. AVX-512 has a kernel by hand beside. Registers
-// of SVE have no size and fit in no struct.
+// This file is written once with Google Highway and compiled once for every target below, because it includes itself.
+// It uses only headers of Highway; target() chooses the kernel. AVX-512 has a kernel written by hand; SVE is left out,
+// because its registers have no fixed size, so no struct can hold them.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "grid/find_neighbours_highway.cpp"
@@ -14,7 +14,7 @@
 
 #include "core/highway-inl.hpp"
 
-// The plain C++ beside is faster than Highway's one lane.
+// Without vector instructions the plain C++ in find_neighbours.cpp is faster than Highway with one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
@@ -25,12 +25,12 @@ namespace {
 using Numbers = hn::CappedTag<double, 4>;
 constexpr std::size_t lanes = hn::MaxLanes(Numbers());
 static_assert(lanes == 2 || lanes == 4);
-/// Rows that are looked at without asking whether there are as many: a wrong guess costs more than a register too many.
+/// Number of rows that are searched without a branch: a wrong guess costs more than an unneeded register.
 constexpr std::size_t rows_per_step = 2 * lanes;
 constexpr std::size_t rows_per_group = 4;
 static_assert(neighbour_slack >= rows_per_step && rows_per_step % rows_per_group == 0);
 
-/// Which rows of a group have a bit set, one after the other: what compress instructions do, where there are none.
+/// The rows of a group whose bits are set, for each set of bits: it replaces compress instructions.
 struct SetRows {
   alignas(16) std::uint32_t of[1U << rows_per_group][rows_per_group] = {};
 };
@@ -48,7 +48,7 @@ constexpr SetRows set_rows = find_set_rows();
 
 template <bool has_images>
 HWY_INLINE std::size_t find(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
-  // Copied: the compiler cannot know that what is written to `found` changes none of it.
+  // Copied, because a compiler cannot know that writing to `found` does not change them.
   Numbers const tag;
   auto const p_x = hn::Set(tag, search.p.x);
   auto const p_y = hn::Set(tag, search.p.y);
@@ -82,7 +82,7 @@ HWY_INLINE std::size_t find(RowSearch const& search, std::span<RowRange const> r
         top += find_neighbours_scalar(search, {&rest, 1}, top);
         continue;
       }
-      // Rows behind the range are read, but do not count.
+      // Rows behind the range are read, but not counted.
       std::size_t const count = range.end - row;
       std::size_t const left_out = search_left_out - row;
       unsigned near = near_bits(row) | near_bits(row + lanes) << lanes;

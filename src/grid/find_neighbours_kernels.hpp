@@ -7,13 +7,13 @@ namespace gridlock {
 
 using FindNeighbours = std::size_t (*)(RowSearch const&, std::span<RowRange const>, std::uint32_t*);
 
-/// The kernel of find_neighbours() for these instructions, or for the next plainer ones that have one. All find the
-/// same rows in the same order, which a test compares. Contract: is_available(target).
+/// Returns the kernel of find_neighbours() for these instructions, or for the next simpler ones that have a kernel. All
+/// find the same rows in the same order, as a test verifies. Contract: is_available(target).
 FindNeighbours find_neighbours_kernel(Target target);
 
 std::size_t find_neighbours_scalar(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found);
 
-// The kernels of one file each; nullptr where it has none for these instructions.
+// Kernels of one file each; nullptr where the file has none for these instructions.
 
 FindNeighbours find_neighbours_with_avx512(Target target);
 FindNeighbours find_neighbours_with_highway(Target target);

@@ -9,7 +9,7 @@
 
 namespace gridlock {
 
-/// bits_of() of four comparisons, four bits each, the first one lowest.
+/// Returns the bits of four comparisons, four bits each, the first comparison lowest.
 inline unsigned bits_of(Int4 a, Int4 b, Int4 c, Int4 d) {
 #if defined(__SSE2__)
   auto const as_vector = [](Int4 v) { return reinterpret_cast<__m128i>(v); };
@@ -21,7 +21,7 @@ inline unsigned bits_of(Int4 a, Int4 b, Int4 c, Int4 d) {
 #endif
 }
 
-/// PackedGrid::is_near() as bits.
+/// Returns PackedGrid::is_near() as bits.
 inline unsigned near_slots(PackedGrid::Block const& block, PackedGrid::LocalPoint p, float limit) {
   return bits_of(PackedGrid::is_near(block, p, limit));
 }

@@ -65,7 +65,7 @@ bool LinkedGrid::is_consistent() const {
     std::int32_t before = none;
     for (std::int32_t i = heads_[static_cast<std::size_t>(cell)]; i != none;) {
       auto const agent = static_cast<std::size_t>(i);
-      // A loop in a list would revisit agents for ever: more links than agents proves it.
+      // A loop in a list would never end; it shows as more links than agents.
       if (++linked > size_ || cell_[agent] != cell || previous_[agent] != before) return false;
       before = i;
       i = next_[agent];

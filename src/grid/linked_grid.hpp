@@ -11,20 +11,20 @@
 
 namespace gridlock {
 
-/// The paper's data structure: one intrusive, doubly linked list of agents per cell.
+/// The data structure of the paper: a doubly linked list of agents for each cell.
 ///
 ///     heads_[cell] → i ⇄ j ⇄ l → none        next_[i] = j, previous_[j] = i, cell_[i] = cell
 ///
-/// Agents are named by their row in the population. Insert, erase and move cost O(1) whatever the size of the cell.
+/// An agent is its row in the population. Insert, erase and move cost O(1) whatever the number of agents in a cell.
 /// Contract: an agent is inserted once before it is moved or erased (asserted).
 /// Source: J.-X. Shen, Agent based simulations and optimization with uniform grid applied to colloidal jamming
 /// transitions.
 class LinkedGrid {
  public:
   LinkedGrid() = default;
-  /// With room for agents 0 … agents − 1.
+  /// Makes an empty grid with memory for agents 0 … agents − 1.
   explicit LinkedGrid(CellLayout const& layout, std::size_t agents = 0);
-  /// Holds every point given, agent i at (x[i], y[i]).
+  /// Makes a grid that holds all points, agent i at (x[i], y[i]).
   /// Errors: Error for lists of different lengths, and for coordinates that are not finite.
   LinkedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
@@ -33,7 +33,7 @@ class LinkedGrid {
   [[nodiscard]] int cell_of(std::size_t agent) const { return cell_[agent]; }
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < cell_.size() && cell_[agent] != outside; }
 
-  /// Room for agents 0 … agents − 1.
+  /// Allocates memory for agents 0 … agents − 1.
   void reserve(std::size_t agents) {
     if (agents > cell_.size()) grow(agents);
   }
@@ -52,7 +52,7 @@ class LinkedGrid {
     --size_;
   }
 
-  /// Puts the agent in the list of the cell that holds `p`; nothing changes while it stays in its cell.
+  /// Moves the agent to the list of the cell that holds `p`; nothing changes while it stays in its cell.
   void move(std::size_t agent, Vector p) {
     assert(contains(agent));
     int const cell = layout_.cell_of(p);
@@ -61,7 +61,7 @@ class LinkedGrid {
     link(agent, cell);
   }
 
-  /// Agent i of all that are held is at (x[i], y[i]).
+  /// Moves every agent i in the grid to (x[i], y[i]).
   /// Errors: Error for lists of different lengths, or too short for the agents held.
   void move_all(std::span<double const> x, std::span<double const> y);
 
@@ -98,7 +98,7 @@ class LinkedGrid {
     }
   }
 
-  /// Whether every list is linked both ways, holds only agents of its cell, and all agents are in a list.
+  /// Returns whether every list is linked both ways, holds only agents of its cell, and all agents are in a list.
   /// Cost: O(agents + cells); for tests and audits.
   [[nodiscard]] bool is_consistent() const;
 

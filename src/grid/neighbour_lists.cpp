@@ -23,14 +23,13 @@ namespace gridlock {
 
 namespace {
 
-/// Where the cells of points begin to count: points without a box keep their coordinates, so that distances round as
-/// the user would round them.
+/// Box and origin of the cells. Points without a box keep their coordinates, so distances round as the user expects.
 struct SearchFrame {
   Box box;
   Vector origin;
 };
 
-/// Grows; what is behind size() is not initialized.
+/// An array that grows; entries behind size() are not initialized.
 template <class Value>
 class Found {
  public:
@@ -47,13 +46,13 @@ class Found {
   std::size_t size_ = 0;
 };
 
-/// The neighbours of the rows of a band of cells, one after the other, and how many each row has.
+/// The neighbours of the rows of a band of cells, row after row, and the number of neighbours of each row.
 struct Band {
   Found<std::uint32_t> neighbours;
   Found<std::uint32_t> counts;
 };
 
-/// The neighbours of all rows of a band, as rows.
+/// Finds the neighbours of all rows of a band, as rows.
 void search_band(SortedPoints const& points, Box const& box, double cutoff, int first_row, int end_row, Band& band) {
   RowBlocks const blocks(points.layout(), [&](int column, int row) { return points.first_of(column, row); });
   points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange rows) {
@@ -76,7 +75,7 @@ void search_band(SortedPoints const& points, Box const& box, double cutoff, int 
   });
 }
 
-/// The box around points, no smaller than the cutoff.
+/// Returns the box around points, no smaller than the cutoff.
 SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
   Vector least{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   Vector most = -1.0 * least;
@@ -97,7 +96,7 @@ SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
   return {Box(side(least.x, most.x), side(least.y, most.y), Edge::wall), least};
 }
 
-/// Sorts and searches; what is found stays in bands.
+/// Sorts points and searches their neighbours; results are kept in bands.
 class Search {
  public:
   Search(SearchFrame const& frame, double cutoff, PointsInMemory const& points, ThreadPool& pool)
@@ -134,8 +133,9 @@ class Search {
     return pairs;
   }
 
-  /// The rows of the points that are nearer to a point in the box, good until `found` is used again.
-  /// Contract: no cutoff above that of the search.
+  /// Returns the rows of the points that are nearer than the cutoff to a point in the box; valid until `found` is
+  /// changed.
+  /// Contract: the cutoff is at most that of the search.
   std::span<std::uint32_t const> near(Vector place, double cutoff, Found<std::uint32_t>& found) const {
     CellLayout const& layout = points_.layout();
     RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
@@ -177,14 +177,14 @@ class Search {
   }
 
  private:
-  /// Where what each band has found begins among all, and the end.
+  /// Returns the index of the first result of each band, and the total number.
   static std::vector<std::size_t> first_of_each(std::vector<Found<AgentPair>> const& bands) {
     std::vector<std::size_t> begin{0};
     for (Found<AgentPair> const& band : bands) begin.push_back(begin.back() + band.size());
     return begin;
   }
 
-  /// Calls visit(row, its neighbours) for every row of band `b`.
+  /// Calls visit(row, neighbours) for every row of band `b`.
   template <class Visit>
   void for_each_row(std::size_t b, Band const& band, Visit visit) const {
     auto row =
@@ -200,12 +200,12 @@ class Search {
   double cutoff_;
   ThreadPool& pool_;
   SortedPoints points_;
-  std::vector<int> ends_;  ///< of the bands of cells, and 0 before
+  std::vector<int> ends_;  ///< 0, then the end of each band in rows of cells
 };
 
 SearchFrame frame_of(Box const& box, double cutoff, PointsInMemory const& points) {
   require_bounded_cutoff(cutoff);
-  require_point_count(points.count);  // whether all are finite is seen when they are sorted
+  require_point_count(points.count);  // finiteness of coordinates is checked when points are sorted
   require_box_for(box, cutoff);
   return {box, {}};
 }
@@ -215,10 +215,10 @@ SearchFrame frame_of(double cutoff, PointsInMemory const& points) {
   return frame_around(points, cutoff);
 }
 
-/// Disks that share a grid of cells.
+/// Disks of similar size that share a grid of cells.
 struct SizeClass {
   double largest_radius = 0.0;
-  std::vector<std::uint32_t> members;  ///< empty where it is all disks
+  std::vector<std::uint32_t> members;  ///< disks of the class; empty for all disks
   std::vector<double> x, y;
   PointsInMemory all;
 
@@ -230,8 +230,8 @@ struct SizeClass {
   }
 };
 
-/// As few classes as will do, the largest disks first: in each the largest disk is less than twice as large as the
-/// smallest, or nine of its cells hold few disks.
+/// Returns as few classes as possible, the largest disks first. In each class the largest disk is less than twice as
+/// large as the smallest, or nine of its cells hold few disks.
 std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
                                   std::span<double const> radius) {
   constexpr double few_disks = 64.0;
@@ -272,7 +272,7 @@ std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, Points
   return classes;
 }
 
-/// Keeps the pairs of disks that are near enough.
+/// A list of the pairs of disks that are near enough.
 class NearPairs {
  public:
   NearPairs(Box const& box, DiskReach const& reach, PointsInMemory const& centres, std::span<double const> radius)
@@ -281,14 +281,14 @@ class NearPairs {
   void make_room_for(std::size_t more) {
     if (pairs_.size() < count_ + more) pairs_.resize(std::max(count_ + more, 2 * pairs_.size()));
   }
-  /// Contract: there is room.
+  /// Adds the pair if it is near enough. Contract: there is memory for it.
   void add(std::uint32_t i, std::uint32_t j) {
     double const contact = reach_.factor * (radius_[i] + radius_[j]) + reach_.gap;
-    // Which pairs are near enough no processor guesses: without a branch.
+    // Without a branch, because no processor guesses which pairs are near enough.
     pairs_[count_] = {i, j};
     count_ += squared_length(box_.displacement(at(i), at(j))) < contact * contact ? 1 : 0;
   }
-  /// Puts those of another behind them.
+  /// Appends the pairs of another list.
   void append(NearPairs const& other) {
     make_room_for(other.count_);
     std::copy_n(other.pairs_.begin(), other.count_, pairs_.begin() + static_cast<std::ptrdiff_t>(count_));
@@ -316,7 +316,7 @@ class NearPairs {
   std::size_t count_ = 0;
 };
 
-/// Those that search(part, parts, pairs) finds for each part of the work, in the order of the parts.
+/// Adds the pairs that search(part, parts, pairs) finds for each part of the work, in the order of the parts.
 template <class SearchPart>
 void add_in_parts(ThreadPool& pool, NearPairs const& none, NearPairs& all, SearchPart search) {
   if (pool.size() == 1) {
@@ -347,7 +347,7 @@ PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInM
   SearchFrame const frame = frame_of(box, reach_of(classes.front(), classes.front()), centres);
   double const most =
       box.is_periodic() ? 0.5 * std::min(box.width(), box.height()) : std::numeric_limits<double>::max();
-  // A hair more: whether a pair is near enough is decided in the end, from the coordinates as they were given.
+  // A factor above 1 covers rounding; add() decides by the coordinates as they were given.
   auto const cutoff_of = [&](SizeClass const& a, SizeClass const& b) {
     return std::min(most, reach_of(a, b) * (1.0 + 1e-9));
   };

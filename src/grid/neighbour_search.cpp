@@ -20,13 +20,12 @@ NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double
   require_equal_lengths(x, y);
   require_point_count(x.size());
   CellLayout const layout = plain_layout();
-  // PackedGrid looks itself for points that are not finite.
+  // PackedGrid itself checks that points are finite.
   if (!make_grid_of_crowd(layout)) grid_ = PackedGrid(layout, x_, y_);
 }
 
 CellLayout NeighbourSearch::plain_layout() const {
-  // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to
-  // make.
+  // A block holds four points, so cells of two points each are as fast to search as smaller cells, and faster to make.
   constexpr double cells_per_point = 0.6;
   return layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
 }
@@ -43,7 +42,7 @@ bool NeighbourSearch::make_grid_of_crowd(CellLayout const& layout) {
 }
 
 bool NeighbourSearch::has_crowd(CellLayout const& layout) const {
-  // Counted no further: so many in a cell are a crowd by themselves.
+  // Counting stops here: a cell with this many points is a crowd by itself.
   constexpr std::uint8_t most = 255;
   std::vector<std::uint8_t> in_cell(static_cast<std::size_t>(layout.count()), 0);
   std::uint64_t pairs = 0;
@@ -67,7 +66,7 @@ void NeighbourSearch::update(std::span<double const> x, std::span<double const> 
   if (crowd_) {
     arrivals_ += crowd_->move_all(x, y);
     if (arrivals_ <= size()) return;
-    // They may have dispersed.
+    // The crowd may have dispersed.
     arrivals_ = 0;
     CellLayout const layout = plain_layout();
     if (has_crowd(layout)) return;
@@ -76,7 +75,7 @@ void NeighbourSearch::update(std::span<double const> x, std::span<double const> 
     return;
   }
   grid_.move_all(x, y);
-  // In long chains of blocks: points have come together, or there are many within the cutoff.
+  // Long chains of blocks mean that points have come together, or that many are within the cutoff.
   if (grid_.further_blocks() > size() / 8) make_grid_of_crowd(grid_.layout());
 }
 
@@ -94,7 +93,7 @@ void NeighbourSearch::require_finite(Vector p) {
 
 bool are_inside(PointsInBox const& points) {
   auto const are_in_range = [](std::span<double const> coordinates, double side) {
-    // All are looked at, many at once: as a rule none is outside.
+    // All coordinates are compared, without a branch: usually none is outside.
     std::size_t outside = 0;
     for (double const p : coordinates) outside += static_cast<std::size_t>(!((p >= 0.0) & (p < side)));
     return outside == 0;

@@ -58,7 +58,7 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   empty.y.fill(nowhere);
   blocks_.reserve(agents == 0 ? blocks_of_cells_ : max_blocks_for(agents));
   for (std::size_t k = 0; k < first_of_cells; ++k) blocks_.push_back(empty);
-  // A cell has the number that it has in the box; those of empty ones beside the window are of no cell in it.
+  // Cells of the window have their numbers in the box; empty cells beside the window have numbers of no cell in it.
   auto const in_box = [&](int index, int end, int all) {
     if (index == end) return all;
     return index < 0 ? index + all : index >= all ? index - all : index;
@@ -76,7 +76,7 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
 PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
     : PackedGrid(layout, x.size()) {
   require_points(x, y);
-  // Agents in no order: the line of one is fetched while others are put into theirs.
+  // Agents are in no order: an agent's cell is prefetched while earlier agents are inserted.
   constexpr std::size_t ahead = 16;
   std::array<CellPoint, ahead> waiting;
   for (std::size_t i = 0; i < x.size() + ahead; ++i) {
@@ -96,7 +96,7 @@ void PackedGrid::grow(std::size_t agents) {
 }
 
 std::size_t PackedGrid::max_blocks_for(std::size_t agents) const {
-  // A cell of n > 4 agents has at most n/4 further blocks, so the blocks never move while threads move agents.
+  // A cell of n > 4 agents has at most n/4 further blocks. All have memory, so blocks never move while threads work.
   return blocks_of_cells_ + agents / slots + 1;
 }
 
@@ -110,7 +110,7 @@ void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
   std::size_t const base_index = base_of(cell_point);
   std::size_t index = base_index;
   if (blocks_[base_index].count == slots) {
-    // Behind a full first block only the second may have room: all further ones are full.
+    // Behind a full first block only the second can have a free slot: all further blocks are full.
     index = blocks_[base_index].next;
     if (index == none || blocks_[index].count == slots) index = add_block(blocks_[base_index]);
   }
@@ -129,7 +129,7 @@ void PackedGrid::take_out(std::size_t agent) {
   Block& base = blocks_[index_of(hole.column, hole.row)];
   Block& top = base.next == none ? base : blocks_[base.next];
   base.marks |= changed;
-  // The last agent of the only block that may have room fills the hole.
+  // The last agent of the only block that is not full fills the hole.
   std::uint32_t const last = --top.count;
   std::uint32_t const slot = place % slots;
   std::uint32_t const filler = top.agent[last];
@@ -185,7 +185,7 @@ void PackedGrid::drop_second_block(Block& base) {
 
 void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) {
   require_equal_lengths(x, y);
-  // Agents in no order: the line of one is fetched while others are moved.
+  // Agents are in no order: an agent's cell is prefetched while earlier agents are moved.
   constexpr std::size_t ahead = 16;
   std::size_t const agents = std::min(place_.size(), x.size());
   std::size_t moved = 0;
@@ -207,7 +207,7 @@ bool PackedGrid::is_consistent() const {
       bool const is_outside = block.column == layout_.columns() || block.row == layout_.rows();
       if (is_outside && (block.count != 0 || block.next != none)) return false;
       if (block.column != blocks_[base].column || block.row != blocks_[base].row) return false;
-      // Only the last block of a chain of one, or the second of a longer one, may have room.
+      // Only the last block of a chain of one, or the second of a longer chain, may have a free slot.
       bool const may_have_room = position == 1 || (position == 0 && block.next == none);
       if (block.count > slots || (block.count < slots && !may_have_room)) return false;
       if (position > 0 && block.count == 0) return false;
@@ -216,7 +216,7 @@ bool PackedGrid::is_consistent() const {
         if (is_empty != (s >= block.count)) return false;
         if (!is_empty && place_[block.agent[s]] != index * slots + s) return false;
       }
-      // A loop in a chain would never end: more agents than there are proves it.
+      // A loop in a chain would never end; it shows as more agents than there are.
       found += block.count;
       if (found > size_) return false;
     }

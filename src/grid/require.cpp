@@ -12,7 +12,7 @@ namespace gridlock {
 
 namespace {
 
-/// All are looked at, many at once: x − x is 0 for finite numbers alone.
+/// Returns whether all coordinates are finite, without a branch: x − x is 0 for finite numbers only.
 bool are_finite(std::span<double const> coordinates) {
   std::size_t broken = 0;
   for (double const p : coordinates) broken += static_cast<std::size_t>(!(p - p == 0.0));
@@ -63,7 +63,7 @@ void require_box_for(Box const& box, double cutoff) {
 }
 
 void require_point_count(std::size_t points) {
-  // As many as a packed grid holds in a box of any shape.
+  // The number of points that a packed grid holds in a box of any shape.
   constexpr std::size_t max_points = 250'000'000;
   if (points <= max_points) return;
   throw Error({.what = "a neighbour search among " + std::to_string(points) + " points cannot be made",

@@ -18,12 +18,12 @@ namespace gridlock {
 
 namespace {
 
-/// Rows that are looked at before what is found of them is handed on.
+/// Number of rows that are searched before the results are passed on.
 constexpr std::size_t rows_at_once = 128;
 
 constexpr std::size_t nobody = std::numeric_limits<std::size_t>::max();
 
-/// Calls visit(rows) for the rows of a block that are near, some at a time.
+/// Calls visit(rows) for the near rows of a block, some rows at a time.
 template <class Visit>
 void for_each_near(RowBlock const& block, RowSearch const& search, Visit const& visit) {
   std::array<std::uint32_t, rows_at_once + neighbour_slack> found;
@@ -70,8 +70,7 @@ std::size_t SortedGrid::move_all(std::span<double const> x, std::span<double con
 }
 
 double SortedGrid::squared_limit(double cutoff) const {
-  // As PackedGrid::local_limit(): images of points far outside a periodic box are wrong by less than this part of a
-  // cell.
+  // A margin as in PackedGrid::local_limit(), for errors of images far outside a box, as a part of a cell.
   CellLayout const& layout = points_->layout();
   double const error = 2e-6 * std::max(layout.cell_width(), layout.cell_height());
   return 1.001 * cutoff * cutoff + 1001.0 * error * error;

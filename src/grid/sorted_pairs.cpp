@@ -17,7 +17,7 @@ void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRange const> 
     PairBuffer::Pair* pair = buffer.room_for(max_candidates);
     for (RowRange const& range : ranges) {
       for (std::size_t other = &range == ranges.data() ? row + 1 : range.first; other < range.end; ++other) {
-        // Every candidate is written, and only the count depends on the answer.
+        // Every candidate is written; only the end depends on the comparison.
         *pair = {rows.index[row], rows.index[other]};
         Vector const q{rows.x[other], rows.y[other]};
         pair += squared_length(displacement(p, q)) < rows.squared_cutoff ? 1 : 0;
@@ -27,7 +27,7 @@ void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRange const> 
   }
 }
 
-/// Adds the near pairs of a row with those of a range, which may be long.
+/// Adds the near pairs of a row with a range of rows of any length.
 void add_pairs_of_row(SortedRows const& rows, std::size_t row, RowRange range, Box const* box, AddPairsOfRows add_pairs,
                       PairBuffer& buffer) {
   for (std::size_t first = range.first; first < range.end; first += max_candidates) {
@@ -70,7 +70,7 @@ void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squar
     points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange cell) {
       RowBlock const block = blocks.around(column, cell_row);
       for (std::size_t row = cell.first; row < cell.end; ++row) {
-        // The row of each pair that comes first.
+        // Pairs are found at the row that comes first.
         for (RowRange const range : block.ranges()) {
           add_pairs_of_row(sorted, row, {std::max(range.first, row + 1), range.end}, &box, add_pairs, buffer);
         }

@@ -3,9 +3,9 @@
 
 #include "grid/sorted_pairs.hpp"
 
-// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers
-// of Highway are used; target() chooses which of the kernels is called. Left out are targets that it never names, and
-// SVE, whose registers have no size that is known here.
+// This file is written once with Google Highway and compiled once for every target below, because it includes itself.
+// It uses only headers of Highway; target() chooses the kernel. Left out are targets that target() never returns, and
+// SVE, whose registers have no fixed size.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "grid/sorted_pairs_highway.cpp"
@@ -15,7 +15,7 @@
 #include "core/highway-inl.hpp"
 #include "grid/write_pairs-inl.hpp"
 
-// The plain C++ beside is faster than Highway's one lane.
+// Without vector instructions the plain C++ in sorted_pairs.cpp is faster than Highway with one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
@@ -32,11 +32,11 @@ using Numbers = hn::CappedTag<double, rows_per_step>;
 constexpr std::size_t lanes = hn::MaxLanes(Numbers());
 static_assert(rows_per_step % lanes == 0 && PairBuffer::slack >= rows_per_step);
 
-/// Writes the pairs of an agent with those of rows_per_step others whose bits are set and returns their end.
+/// Writes the pairs of an agent with those of rows_per_step others whose bits are set. Returns the end of the pairs.
 HWY_INLINE PairBuffer::Pair* write_near(std::uint32_t agent, std::uint32_t const* others, unsigned bits,
                                         PairBuffer::Pair* pair) {
 #if HWY_TARGET == HWY_AVX3
-  // By hand: Compress() of Highway 1.0 copies a table of two kilobytes for each register.
+  // Written by hand, because Compress() of Highway 1.0 copies a table of two kilobytes for each register.
   __m512i const second =
       _mm512_slli_epi64(_mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<__m256i const*>(others))), 32);
   __m512i const pairs = _mm512_or_si512(_mm512_set1_epi64(agent), second);
@@ -50,7 +50,7 @@ HWY_INLINE PairBuffer::Pair* write_near(std::uint32_t agent, std::uint32_t const
 template <bool has_images>
 HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRange const> ranges, Box const* box,
                           PairBuffer& buffer) {
-  // Copied: the compiler cannot know that the pairs written in between change none of it.
+  // Copied, because a compiler cannot know that writing pairs does not change them.
   Numbers const tag;
   double const* const x = rows.x;
   double const* const y = rows.y;
@@ -83,7 +83,7 @@ HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRa
           pair = buffer.room_for(max_candidates);
           continue;
         }
-        // Rows behind the range are read, but do not count.
+        // Rows behind the range are read, but not counted.
         unsigned near = 0;
         for (std::size_t k = 0; k < rows_per_step; k += lanes) near |= near_bits(other + k) << k;
         near &= (1U << std::min(end - other, rows_per_step)) - 1U;

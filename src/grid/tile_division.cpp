@@ -6,19 +6,19 @@ namespace gridlock {
 
 namespace {
 
-/// The numbers of columns or rows of a side that lie in both ranges, each of which may go around the box.
+/// Returns the columns or rows that lie in both ranges, each of which may go around the box.
 std::vector<int> common(int first, int end, int other_first, int other_end, int all) {
   std::vector<int> both;
   for (int k = first; k < end; ++k) {
     int const index = (k % all + all) % all;
-    // Images of it in the other range.
+    // The first image of it at or after the start of the other range.
     int const image = other_first + ((index - other_first) % all + all) % all;
     if (image < other_end) both.push_back(index);
   }
   return both;
 }
 
-/// For each column or row of cells the one of tiles that it is in, by where those end.
+/// Returns the column or row of tiles for each column or row of cells; end_of(tile) is where a tile ends.
 template <class EndOf>
 std::vector<std::size_t> tiles_of_cells(std::size_t tiles, EndOf end_of) {
   std::vector<std::size_t> tile_of_cell;
@@ -32,7 +32,7 @@ std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std:
                                             std::size_t parts) {
   std::size_t const columns = tiling.columns();
   std::size_t const rows = tiling.rows();
-  // An empty tile is work, too.
+  // An empty tile takes work too, so its weight is 1.
   auto const weight_of = [&](std::size_t column, std::size_t row) { return agents[tiling.number_of(column, row)] + 1; };
   std::vector<std::uint64_t> weights(rows, 0);
   for (std::size_t row = 0; row < rows; ++row) {

@@ -11,7 +11,7 @@ namespace gridlock {
 
 namespace {
 
-/// Where the tiles along one side begin; the last entry is the end.
+/// Returns where the tiles along one side begin; the last entry is the end.
 std::vector<int> cuts(int cells, int cells_of_tile, bool is_periodic) {
   int count = std::max(1, cells / cells_of_tile);
   if (is_periodic && count > 1) count -= count % 2;
@@ -53,7 +53,7 @@ std::vector<Tiling::Round> Tiling::rounds(std::size_t threads) const {
 
 std::vector<Tiling::Round> Tiling::rounds(Rectangle const& own, std::size_t threads) const {
   auto [first, none, second, third, fourth] = rounds_of_colours(own, threads);
-  assert(none.empty());  // nothing comes before colour 0, so nothing is left of it
+  assert(none.empty());  // no tile must precede those of colour 0, so none of them is left for a later round
   return {std::move(first), std::move(second), std::move(third), std::move(fourth)};
 }
 
@@ -113,7 +113,7 @@ std::size_t Tiling::colour_of(std::uint32_t tile) const {
 }
 
 std::vector<std::uint32_t> Tiling::pieces(Rectangle const& own, std::size_t threads) const {
-  // Some pieces for each thread, so that none waits long for the last one, but each of many rows.
+  // Each thread gets several pieces, so that none waits long for the last, but pieces of many rows.
   constexpr std::size_t max_pieces_of_thread = 4;
   constexpr std::size_t rows_of_piece = 8;
   std::size_t const columns = own.end_column - own.first_column;
@@ -129,8 +129,8 @@ std::vector<std::uint32_t> Tiling::pieces(Rectangle const& own, std::size_t thre
     for (std::size_t n = 0; n < tiles; ++n) piece[tile_at(n)] = 0;
     return piece;
   }
-  // Cuts in the tiles row after row. What is left to later rounds lies on one side of a cut or on both, so they are
-  // moved until the first round has as much to do in every piece.
+  // Divides the tiles row after row. Tiles that must wait for later rounds lie at the cuts, so the cuts are moved until
+  // every piece has as much to do in the first round.
   std::vector<std::size_t> cut(count + 1);
   for (std::size_t k = 0; k <= count; ++k) cut[k] = tiles * k / count;
   for (int attempt = 0; attempt < 8; ++attempt) {
@@ -162,7 +162,7 @@ bool Tiling::any_before(std::uint32_t tile, Is is) const {
 
 std::vector<bool> Tiling::left_to_later_rounds(std::vector<std::uint32_t> const& piece) const {
   std::vector<bool> is_left(tiles_.size(), false);
-  // Tiles are numbered colour by colour, and one that must come after one that is left is left itself.
+  // Tiles are numbered colour by colour. A tile that must follow a tile of a later round is in a later round too.
   for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) {
     is_left[tile] =
         any_before(tile, [&](std::uint32_t before) { return is_left[before] || piece[before] != piece[tile]; });
@@ -173,7 +173,7 @@ std::vector<bool> Tiling::left_to_later_rounds(std::vector<std::uint32_t> const&
 Tiling::Part Tiling::in_order_of_memory() const {
   Part order;
   order.reserve(tiles_.size());
-  // Every second tile of a few, then those between them.
+  // Every second tile of a few goes first, then the tiles between them.
   auto const add_row = [&](std::size_t row) {
     std::size_t between = 1;
     for (std::size_t column = 0; column < columns_; column += 2) {

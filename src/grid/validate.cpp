@@ -28,15 +28,15 @@ std::string text_of_broken(Disks const& disks, std::size_t i) {
                      p.y, v.x, v.y, disks.column<Radius>()[i], disks.column<Mass>()[i]);
 }
 
-/// Whether a disk is inside a box whose walls it may pass by so much.
+/// Returns whether a disk is inside a box; it may be beyond a wall by `beyond_walls`.
 bool is_inside(Box const& box, Vector p, double radius, double beyond_walls) {
-  // A centre exactly on the upper edge of a periodic box is the same point as 0 and must be written so.
+  // A centre on the upper edge of a periodic box is the same point as 0 and must be given as 0.
   if (box.is_periodic()) return p.x >= 0.0 && p.x < box.width() && p.y >= 0.0 && p.y < box.height();
   double const margin = radius - beyond_walls;
   return p.x >= margin && p.x <= box.width() - margin && p.y >= margin && p.y <= box.height() - margin;
 }
 
-/// Calls visit(i, j, gap) for every pair that overlaps, gap < 0 being the distance between the rims.
+/// Calls visit(i, j, gap) for every pair that overlaps; gap < 0 is the distance between the rims.
 template <class Visit>
 void for_each_overlap(State const& state, Visit visit) {
   if (state.agents.empty()) return;
@@ -48,7 +48,7 @@ void for_each_overlap(State const& state, Visit visit) {
   });
 }
 
-/// Counts overlaps and keeps those of the first rows, whatever order they come in.
+/// Counts overlaps and keeps those of the first rows, whatever the order in which they are added.
 class FirstOverlaps {
  public:
   void add(std::size_t i, std::size_t j, double gap) {
@@ -79,7 +79,7 @@ class FirstOverlaps {
   std::size_t count_ = 0;
 };
 
-/// Refuses disks that overlap their own image.
+/// Reports disks that overlap their own image.
 void find_own_images(Box const& box, double largest_radius, std::vector<Problem>& problems) {
   double const diameter = 2.0 * largest_radius;
   if (!box.is_periodic() || diameter <= std::min(box.width(), box.height())) return;
@@ -120,7 +120,7 @@ RowProblems::RowProblems(State const& some, double beyond_walls) {
       not_inside_.add(fmt::format("disk {} at ({}, {}) with radius {} is not inside the box of {} × {}", disks.ids()[i],
                                   p.x, p.y, r, some.box.width(), some.box.height()));
     }
-    // Not their squares, which may be what is out of range.
+    // Components are compared, because the square of a speed may be out of range.
     largest_speed_ = std::max({largest_speed_, std::abs(v.x), std::abs(v.y)});
     if (has_bounded_magnitude(r) && has_bounded_magnitude(m)) continue;
     extreme_.add(
@@ -157,7 +157,7 @@ void RowProblems::require_none(Box const& box) const {
   not_inside_.move_into(problems, box.is_periodic() ? "centres lie in [0, width) × [0, height)"
                                                     : "centres lie at least one radius away from every wall");
   if (!problems.empty()) throw Error(std::move(problems));
-  // Numbers so large or small that their squares would no longer be what they stand for.
+  // Reports numbers so large or small that their squares overflow or vanish.
   if (auto problem = find_extreme_sides(box)) problems.push_back(*std::move(problem));
   extreme_.move_into(problems, magnitude_hint);
   if (largest_speed_ != 0.0 && !has_bounded_magnitude(largest_speed_)) {
@@ -173,7 +173,7 @@ void RowProblems::require_none(Box const& box) const {
 double gap_of_overlap(double contact, double squared_distance, double tolerance) {
   double const missing = contact * contact - squared_distance;
   if (!(missing > 0.0)) return 0.0;
-  // √(d²) − contact would round an overlap of the last bit to nothing; this quotient stays below 0.
+  // √(d²) − contact would round an overlap of the last bit to 0; this quotient stays below 0.
   double const gap = -missing / (contact + std::sqrt(squared_distance));
   return -gap > tolerance ? gap : 0.0;
 }

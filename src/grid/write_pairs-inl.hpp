@@ -1,5 +1,5 @@
-// Writing pairs, shared by the kernels written with Google Highway. A source that is compiled once for every target
-// includes it inside of its part for one target, after <hwy/highway.h>; so the guard lets it through once for each.
+// Writes pairs for the kernels written with Google Highway. A file that is compiled once for every target includes it
+// inside its part for one target, after <hwy/highway.h>; so the include guard opens once for each target.
 
 #if defined(GRIDLOCK_GRID_WRITE_PAIRS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef GRIDLOCK_GRID_WRITE_PAIRS_INL_HPP
@@ -22,8 +22,8 @@ namespace gridlock::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Which bytes of four agents to take for the pairs of those whose bits are set: the higher half of each pair is one of
-/// the four, and the lower half zero.
+/// For each set of bits, the bytes of four agents that make the pairs of the agents whose bits are set. The higher half
+/// of a pair is one of the four agents, the lower half is zero.
 struct PairBytes {
   static constexpr unsigned others = 4;
   static constexpr std::uint8_t zero = 0x80;
@@ -45,8 +45,8 @@ constexpr PairBytes find_pair_bytes() {
 }
 constexpr PairBytes pair_bytes = find_pair_bytes();
 
-/// Writes the pairs of an agent with those of four others whose bits are set and returns their end. Four are written,
-/// whoever is near.
+/// Writes the pairs of an agent with those of four others whose bits are set. Returns the end of the pairs. Four pairs
+/// are always written; the caller drops those behind the end.
 HWY_INLINE PairBuffer::Pair* write_pairs(std::uint32_t agent, std::uint32_t const* others, unsigned bits,
                                          PairBuffer::Pair* pair) {
   hn::CappedTag<std::uint8_t, sizeof(pair_bytes.of[0])> const tag;

@@ -9,7 +9,7 @@ namespace gridlock {
 
 namespace {
 
-/// Rounding of site coordinates must not make disks in contact overlap: this much is taken off the radius.
+/// Returns the radius less a margin, so that the rounding of site coordinates makes no disks in contact overlap.
 double safe_radius(double radius, Box const& box) {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   return radius - 4.0 * epsilon * std::max(box.width(), box.height());
@@ -24,7 +24,7 @@ LatticeFit make_fit(Box const& box, double radius, std::uint64_t available, Latt
 
 std::uint64_t rounded_up_quotient(std::uint64_t a, std::uint64_t b) { return (a + b - 1) / b; }
 
-/// Lattices far from square are never the best: rows beyond this need not be tried.
+/// Returns the largest number of rows to try: lattices far from square are never the best.
 std::uint64_t max_rows(Box const& box, std::uint64_t count) {
   double const likely = std::sqrt(static_cast<double>(count) * box.height() / box.width());
   return std::min<std::uint64_t>(count, static_cast<std::uint64_t>(2.0 * likely) + 8);
@@ -39,7 +39,7 @@ struct Rows {
   double radius = 0.0;
 
   [[nodiscard]] std::uint64_t sites() const { return (count + 1) / 2 * even_length + count / 2 * odd_length; }
-  /// Half spacings between the leftmost and the rightmost site.
+  /// Returns the distance from the leftmost to the rightmost site, in half spacings.
   [[nodiscard]] double extent() const {
     double const even = 2.0 * static_cast<double>(even_length - 1);
     bool const is_shifted_row_longest = count > 1 && odd_length == even_length;
@@ -47,7 +47,7 @@ struct Rows {
   }
 };
 
-/// Half the smallest distance of two sites for spacings a_x and a_y.
+/// Returns half the smallest distance of two sites for spacings a_x and a_y.
 double contact_radius(Rows const& rows, double a_x, double a_y) {
   double smallest = std::numeric_limits<double>::infinity();
   if (rows.even_length > 1) smallest = std::min(smallest, a_x);
@@ -61,15 +61,15 @@ struct Spacings {
   double a_y;
 };
 
-/// The spacings that leave `margin` between the outermost sites and the walls.
+/// Returns the spacings that leave `margin` between the outermost sites and the walls.
 Spacings stretched(Rows const& rows, double width, double height, double margin) {
   double const extent = rows.extent();
   return {extent > 0.0 ? 2.0 * (width - 2.0 * margin) / extent : 0.0,
           rows.count > 1 ? (height - 2.0 * margin) / static_cast<double>(rows.count - 1) : 0.0};
 }
 
-/// The largest R with contact_radius(spacings for margin R) ≥ R: one root, since the left side falls and the right
-/// side rises with R.
+/// Returns the largest R with contact_radius(spacings for margin R) ≥ R; the left side falls with R, so there is one
+/// root.
 double largest_radius_between_walls(Rows const& rows, double width, double height) {
   double fits = 0.0;
   double too_large = 0.5 * std::min(width, height);
@@ -88,7 +88,7 @@ Rows best_rows_between_walls(Box const& box, std::uint64_t count, bool is_turned
   double const height = is_turned ? box.width() : box.height();
   Rows best;
   for (std::uint64_t m = 1; m <= max_rows(Box(width, height, Edge::wall), count); ++m) {
-    // Rows of p and p, then rows of p and p − 1, with the smallest p that has enough sites.
+    // Tried are rows of p and p sites, then rows of p and p − 1, with the smallest p that gives enough sites.
     std::uint64_t const equal = rounded_up_quotient(count, m);
     std::uint64_t const alternating = rounded_up_quotient(count + m / 2, m);
     for (Rows rows : {Rows{m, equal, equal, is_turned}, Rows{m, alternating, alternating - 1, is_turned}}) {
@@ -125,7 +125,7 @@ LatticeFit::Rows sites_of(Rows const& rows, Box const& box) {
   } else {
     auto const [a_x, a_y] = stretched(rows, width, height, rows.radius);
     sites.spacing = {a_x, a_y};
-    // One column or one row alone is in the middle.
+    // A single column or row is in the middle.
     sites.corner = {rows.extent() > 0.0 ? rows.radius : 0.5 * width, rows.count > 1 ? rows.radius : 0.5 * height};
   }
   return sites;
@@ -134,7 +134,7 @@ LatticeFit::Rows sites_of(Rows const& rows, Box const& box) {
 }  // namespace
 
 Vector LatticeFit::site(std::uint64_t n) const {
-  // The n-th disk on site ⌊n·available/count⌋ spreads the empty sites evenly; the product fits for 4·10⁹ disks.
+  // Disk n on site ⌊n·available/count⌋ spreads the empty sites evenly; the product fits 64 bits for 4·10⁹ disks.
   std::uint64_t const place = n * available / count;
   std::uint64_t const two_rows = rows.even_length + rows.odd_length;
   std::uint64_t const within = place % two_rows;

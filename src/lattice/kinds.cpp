@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-/// How many disks of each kind: fraction · count rounded so that the numbers add up, largest remainders first.
+/// Returns the number of disks of each kind: fraction · count, rounded to the right sum, largest remainders first.
 std::vector<std::uint64_t> numbers_of_kinds(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
   std::vector<std::uint64_t> numbers;
   std::vector<double> remainders;
@@ -75,7 +75,7 @@ Kinds::Kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t s
   sum_of_squared_ratios_ = std::inner_product(size_ratios_.begin(), size_ratios_.end(), size_ratios_.begin(), 0.0);
 }
 
-/// One species after the other, or the sizes of a distribution from the smallest to the largest.
+/// Puts the sizes in order: species after species, or the sizes of a distribution from the smallest to the largest.
 void Kinds::put_in_order(DisksSettings const& settings) {
   if (settings.species.empty()) {
     size_ratios_ = sizes_in_order(settings, count_);
@@ -92,7 +92,7 @@ void Kinds::put_in_order(DisksSettings const& settings) {
   }
 }
 
-/// Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
+/// Shuffles the kinds by the method of Fisher and Yates: all assignments to sites are equally likely.
 void Kinds::deal(std::uint64_t seed) {
   RandomStream random(seed, 0, 0, Purpose::species);
   for (std::uint64_t left = count_; left > 1; --left) {

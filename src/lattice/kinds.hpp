@@ -10,10 +10,10 @@ namespace gridlock {
 
 bool are_equal(DisksSettings const& settings);
 
-/// Sizes and masses of disks, in units of disks.radius and of mass 1. Equal disks take no memory, others 16 bytes each.
+/// Sizes of disks in units of disks.radius, and masses. Equal disks take no memory, others 16 bytes each.
 class Kinds {
  public:
-  /// Deals the kinds out over `count` rows, so that any deal is as likely as any other.
+  /// Assigns kinds to `count` rows at random; all assignments are equally likely.
   /// Errors: Error for settings that contradict each other.
   Kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t seed);
 

@@ -12,15 +12,15 @@
 
 namespace gridlock {
 
-/// Where the centre of a disk of some radius may be.
+/// The rectangle in which the centre of a disk of some radius may lie.
 class AllowedCentres {
  public:
   AllowedCentres(Box const& box, double radius)
       : x_(along(box, box.width(), radius)), y_(along(box, box.height(), radius)) {}
 
-  /// Whether the disk is too large for the box.
+  /// Returns whether the disk is too large for the box.
   [[nodiscard]] bool are_none() const { return x_.length < 0.0 || y_.length < 0.0; }
-  /// A uniform point.
+  /// Returns a point drawn uniformly.
   [[nodiscard]] Vector draw(RandomStream& random) const {
     double const along_x = random.uniform();
     return {x_.first + x_.length * along_x, y_.first + y_.length * random.uniform()};
@@ -39,23 +39,23 @@ class AllowedCentres {
   Span y_;
 };
 
-/// The random numbers of a disk, which its places are drawn from.
+/// Returns the random numbers from which the positions of a disk are drawn.
 inline RandomStream places_of(std::uint64_t seed, std::uint64_t row) { return {seed, 0, row, Purpose::start_position}; }
 
-/// A random insertion of so many disks is given up after that many places that were not free.
+/// Number of attempts after which a random insertion of this many disks gives up.
 constexpr std::uint64_t max_attempts_for(std::uint64_t disks) { return 1'000'000 + 1000 * disks; }
 
-/// Puts disks down one after the other, each where a uniform point is free; the largest go first, since they would find
-/// no room later. Memory: 50 bytes a disk.
+/// Inserts disks one after the other at uniform points where they overlap no other; large disks go first, because they
+/// would find no space later. Memory: 50 bytes for each disk.
 class RandomInsertion {
  public:
-  /// Contract: one radius or more.
+  /// Contract: `radii` is not empty.
   RandomInsertion(Box const& box, std::vector<double> radii, std::uint64_t seed);
 
-  /// Places every disk, or gives up; says how many have a place.
+  /// Inserts every disk, or gives up. Returns the number of disks inserted.
   std::size_t place_all();
 
-  /// The packing fraction of the disks that have a place.
+  /// The packing fraction of the disks inserted so far.
   [[nodiscard]] double packing_fraction() const { return covered_ / box_.area(); }
 
   [[nodiscard]] std::vector<Vector> take_sites() { return std::move(sites_); }
@@ -72,7 +72,7 @@ class RandomInsertion {
   double largest_;
   LinkedGrid grid_;
   std::uint64_t attempts_left_;
-  double covered_ = 0.0;  ///< area of the disks that have a place
+  double covered_ = 0.0;  ///< area of the disks inserted so far
 };
 
 }  // namespace gridlock

@@ -7,7 +7,7 @@ namespace gridlock {
 
 namespace {
 
-// The squares of ratios keep all their digits.
+// Bounds within which squares of size ratios keep all their digits.
 constexpr double min_size_ratio = 1e-30;
 constexpr double max_size_ratio = 1e30;
 

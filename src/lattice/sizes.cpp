@@ -13,16 +13,16 @@ namespace gridlock {
 
 namespace {
 
-/// Where the normal distribution is cut off, in standard deviations.
+/// The normal distribution is cut off at this many standard deviations.
 constexpr double cut = 3.0;
-/// The standard deviation that is left then: √(1 − 2·3 φ(3)/(2 Φ(3) − 1)).
+/// The standard deviation after the cut: √(1 − 2·3 φ(3)/(2 Φ(3) − 1)).
 constexpr double deviation_after_cut = 0.98657839255810862;
-/// 2 Φ(3) − 1
+/// The part of the distribution within the cut: 2 Φ(3) − 1.
 constexpr double share_within_cut = 0.99730020393673981;
 
 constexpr double default_spread = 0.23;  // Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039
 
-/// (σ_max − σ_min)/(σ_max + σ_min) of P(σ) ∝ σ⁻³ with that spread: spread² = artanh(z)/z − 1 = z²/3 + z⁴/5 + z⁶/7 + …
+/// Returns z = (σ_max − σ_min)/(σ_max + σ_min) of P(σ) ∝ σ⁻³: spread² = artanh(z)/z − 1 = z²/3 + z⁴/5 + …
 double width_of_inverse_cube(double spread) {
   auto const squared_spread = [](double z) {
     double sum = 0.0;
@@ -39,8 +39,8 @@ double width_of_inverse_cube(double spread) {
   return below;
 }
 
-/// The x ≥ 0 below which, from 0 on, lies the share p < ½ of a normal distribution of variance 1. Newton's steps from 0
-/// never pass it, since Φ is concave there; both Φ and its derivative come from the power series of exp(−x²/2).
+/// Returns x ≥ 0 such that a normal variable of variance 1 lies in [0, x] with probability p < ½. Newton's method from
+/// 0 never passes x, since Φ is concave there; Φ and its derivative are computed from the power series of exp(−x²/2).
 double normal_quantile(double p) {
   constexpr double normalization = 0.39894228040143267794;  // 1/√(2π)
   double x = 0.0;
@@ -68,7 +68,7 @@ void require_spread(DisksSettings const& settings, double spread, double most, s
                .key = "disks.size_spread"});
 }
 
-/// σ as a function of the share of disks that are smaller.
+/// Returns the function that gives the diameter σ below which a given fraction of disks lies.
 std::function<double(double)> quantile_function(DisksSettings const& settings) {
   double const spread = settings.size_spread.value_or(default_spread);
   if (settings.sizes == SizeDistribution::uniform) {

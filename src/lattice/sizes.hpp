@@ -7,10 +7,10 @@
 
 namespace gridlock {
 
-/// The radii of `count` disks in units of their mean, from the smallest to the largest: the quantiles (k + ½)/count of
-/// the distribution of the settings, so that every seed has the same sizes. Additions, multiplications, divisions and
-/// square roots alone, so that every compiler gives the same bits.
-/// Errors: Error for a spread that the distribution cannot have. Cost: up to a microsecond each.
+/// Returns the radii of `count` disks in units of their mean, in ascending order: the quantiles (k + ½)/count of the
+/// distribution of the settings, so that every seed has the same sizes. It uses only + − · / and square roots, so that
+/// every compiler gives the same bits.
+/// Errors: Error for a spread that the distribution cannot have. Cost: up to a microsecond for each disk.
 std::vector<double> sizes_in_order(DisksSettings const& settings, std::uint64_t count);
 
 }  // namespace gridlock

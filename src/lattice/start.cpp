@@ -21,7 +21,8 @@ namespace {
 
 constexpr double closest_packing = 0.90689968211710892530;  // π/√12
 constexpr double random_insertion_saturation = 0.547069;    // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
-constexpr double max_fitted_up = 1.0 + 1e-9;                // how far above the largest fit still means the fit
+constexpr double max_fitted_up = 1.0 + 1e-9;                // a size this far above the largest that fits is still
+                                                            // accepted
 
 double radius_for(double packing_fraction, Box const& box, Kinds const& kinds) {
   return std::sqrt(packing_fraction * box.area() / (std::numbers::pi * kinds.sum_of_squared_ratios()));
@@ -31,7 +32,7 @@ double packing_fraction_for(double radius, Box const& box, Kinds const& kinds) {
   return std::numbers::pi * radius * radius * kinds.sum_of_squared_ratios() / box.area();
 }
 
-/// The setting that fixes the size of the disks, for the blame.
+/// Returns the setting that fixes the size of the disks, for error texts.
 char const* size_key(DisksSettings const& settings) {
   return settings.radius ? "disks.radius" : "disks.packing_fraction";
 }
@@ -60,7 +61,7 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
   return radius;
 }
 
-/// Six digits that never say more than `value`, so that the largest value that fits still fits when it is typed in.
+/// Returns six digits that are never above `value`, so that the largest value that fits still fits when it is typed in.
 std::string rounded_down(double value) {
   double const unit = std::pow(10.0, std::floor(std::log10(value)) - 5.0);
   double rounded = std::floor(value / unit) * unit;
@@ -72,13 +73,13 @@ LatticeFit fit_lattice(StartKind kind, Box const& box, std::uint64_t count) {
   return kind == StartKind::square ? fit_square_lattice(box, count) : fit_triangular_lattice(box, count);
 }
 
-/// A size of the disks in the setting that the user gave: "packing fraction 0.5", or "radius 0.01".
+/// Returns a size in terms of the setting that the user gave: "packing fraction 0.5", or "radius 0.01".
 std::string size_in_words(DisksSettings const& settings, Box const& box, Kinds const& kinds, double radius) {
   return settings.radius ? "radius " + rounded_down(radius)
                          : "packing fraction " + rounded_down(packing_fraction_for(radius, box, kinds));
 }
 
-/// The largest radius on a lattice.
+/// Returns the largest radius with which all disks fit on a lattice.
 double largest_radius_on(StartKind lattice, Box const& box, Kinds const& kinds) {
   return fit_lattice(lattice, box, kinds.count()).radius / kinds.largest_ratio();
 }
@@ -117,9 +118,8 @@ RandomInsertion insertion_of(Box const& box, Kinds const& kinds, double radius, 
   return {box, std::move(radii), seed};
 }
 
-/// The packing fraction that random insertion can reach with disks of these settings, found by doing it: with all of
-/// the disks where they are few, otherwise with a sample of the same mixture in a periodic box, which takes about a
-/// second where no more fit.
+/// A trial that finds the packing fraction which random insertion reaches with disks of these settings. It inserts all
+/// disks if they are few, otherwise a sample of the same mixture in a periodic box, which takes about a second.
 class InsertionTrial {
  public:
   InsertionTrial(Box const& box, DisksSettings const& settings, std::uint64_t count, std::uint64_t seed)
@@ -129,10 +129,10 @@ class InsertionTrial {
         is_sample_(count > max_disks) {}
 
   [[nodiscard]] bool is_sample() const { return is_sample_; }
-  /// The kinds of the disks that are tried.
+  /// The kinds of the disks in the trial.
   [[nodiscard]] Kinds const& kinds() const { return kinds_; }
 
-  /// Whether the sample represents the mixture: a few disks that cover most of the area tell little.
+  /// Returns whether the sample represents the mixture; it does not if a few disks cover most of the area.
   [[nodiscard]] bool is_representative() const {
     double squares = 0.0;
     for (std::size_t i = 0; i < kinds_.count(); ++i) {
@@ -143,10 +143,10 @@ class InsertionTrial {
     return !is_sample_ || sum * sum >= 1000.0 * squares;
   }
 
-  /// The result of a trial at a packing fraction.
+  /// The result of one insertion at a given packing fraction.
   struct Outcome {
-    double share_placed = 0.0;      ///< of the disks, by number
-    double packing_fraction = 0.0;  ///< of those that found room
+    double share_placed = 0.0;      ///< fraction of the disks, by number, that were inserted
+    double packing_fraction = 0.0;  ///< packing fraction of the inserted disks
     double attempts_per_disk = 0.0;
   };
   [[nodiscard]] Outcome insert(double packing_fraction) const {
@@ -157,9 +157,9 @@ class InsertionTrial {
   }
   [[nodiscard]] double share_placed(double packing_fraction) const { return insert(packing_fraction).share_placed; }
 
-  /// A packing fraction somewhat below `reached` at which every disk finds room; nothing where three tries find none.
+  /// Returns a packing fraction somewhat below `reached` at which every disk fits; nothing if three tries fail.
   [[nodiscard]] std::optional<double> find_reachable(double reached) const {
-    // The sample is smaller than the system, and allowed some more tries for each disk.
+    // The sample is smaller than the system and gets more attempts for each disk, hence the margin.
     double const margin = is_sample_ ? margin_of_sample : 0.0;
     for (int k = 1; k <= 3; ++k) {
       double const candidate = std::floor(100.0 * (reached * (1.0 - margin) - 0.01 * k) + 0.5) / 100.0;
@@ -170,7 +170,7 @@ class InsertionTrial {
 
   static constexpr std::uint64_t max_disks = 5000;
 
-  /// Four times the scatter of what 5000 disks reach, 0.35 % where they are equal.
+  /// Four times the scatter of the packing fraction that 5000 disks reach, which is 0.35 % for equal disks.
   static constexpr double margin_of_sample = 0.015;
 
  private:
@@ -180,7 +180,7 @@ class InsertionTrial {
   bool is_sample_;
 };
 
-/// The hint in place of a random start that finds no room, in numbers that do fit.
+/// Returns the hint for a random start that is impossible, with numbers that are possible.
 std::string instead_of_random(Box const& box, DisksSettings const& settings, Kinds const& kinds,
                               std::optional<double> reachable) {
   std::string hint;
@@ -197,7 +197,7 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
                      size_in_words(settings, box, kinds, std::max(square, triangular)));
 }
 
-// Below, every mixture fits, and a trial would be time lost.
+// Packing fraction up to which every mixture can be inserted, so that no trial is needed.
 constexpr double always_reached = 0.4;
 
 std::vector<Vector> random_sites(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
@@ -210,7 +210,7 @@ std::vector<Vector> random_sites(Box const& box, DisksSettings const& settings, 
                   .hint = instead_of_random(box, settings, kinds, trial.find_reachable(reached)),
                   .key = size_key(settings)});
   };
-  // A few disks in a small box can pass the saturation of the infinite plane: only a fluctuation, but it exists.
+  // In a small box a few disks can exceed the saturation of the infinite plane by chance.
   if (are_equal(settings) && count >= 1000 && packing_fraction > random_insertion_saturation * 1.05) {
     throw refuse(fmt::format("random insertion stops at packing fraction {:.6f} for equal disks, below {:.6g}",
                              random_insertion_saturation, packing_fraction),
@@ -236,7 +236,7 @@ std::vector<Vector> random_sites(Box const& box, DisksSettings const& settings, 
   return insertion.take_sites();
 }
 
-/// Points uniformly at random, wherever the other disks are.
+/// Returns points drawn uniformly, without regard to other disks.
 StartOfDisks::SiteOf uniform_sites(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
                                    std::uint64_t seed) {
   double const largest = radius * kinds.largest_ratio();
@@ -319,21 +319,21 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
   std::uint64_t const count = count_of(settings);
   if (settings.start != StartKind::random || count == 0) return 0.0;
   InsertionTrial const trial(box, settings, count, seed);
-  // A part of the box that has as many disks as are tried.
+  // A part of the box that has as many disks as the trial.
   double const side = std::sqrt(static_cast<double>(trial.kinds().count()) / static_cast<double>(count));
   Box const part(side * box.width(), side * box.height(), box.edge());
   double const packing_fraction =
       packing_fraction_for(wanted_radius(settings, part, trial.kinds()), part, trial.kinds());
   if (!trial.is_sample() || !trial.is_representative() || packing_fraction <= always_reached) return 0.0;
   InsertionTrial::Outcome const outcome = trial.insert(packing_fraction);
-  // make_start() refuses these, and soon.
+  // make_start() soon refuses such disks.
   if (outcome.share_placed < 1.0 - InsertionTrial::margin_of_sample) return 0.0;
   return outcome.attempts_per_disk * static_cast<double>(count);
 }
 
 namespace {
 
-/// Σ m and Σ m v.
+/// The sums Σ m and Σ m v.
 struct DriftSums {
   double mass = 0.0;
   Vector momentum;

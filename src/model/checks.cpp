@@ -21,8 +21,8 @@ std::string in_words(std::optional<Id> agent) { return agent ? fmt::format("agen
 }  // namespace
 
 std::size_t find_outside(Box const& box, std::span<double const> x, std::span<double const> y) {
-  // Numbers from 0 on are in the order of their bits; numbers below 0, infinity and nan have larger bits than any side.
-  // Two comparisons of bits are therefore enough for nearly all points; only -0 needs the check of the numbers.
+  // As bits, numbers from 0 on are in their order, and numbers below 0, infinity and nan are larger than any side. So
+  // two comparisons of bits are enough for nearly all points; only −0 needs a comparison of numbers.
   auto const width = std::bit_cast<std::uint64_t>(box.width());
   auto const height = std::bit_cast<std::uint64_t>(box.height());
   auto const is_row_inside = [&](std::size_t row) {

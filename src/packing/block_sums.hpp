@@ -8,13 +8,13 @@
 
 namespace gridlock {
 
-/// Disks whose sums are one piece of work; the bits of sums depend on it.
+/// Number of disks in a block, one piece of work of a sum. The rounding of sums depends on it.
 inline constexpr std::size_t block_size = 256;
 
 inline std::size_t blocks_of(std::size_t disks) { return (disks + block_size - 1) / block_size; }
 
-/// Adds up part(first, end) of all blocks of disks in their order: the same bits for any number of threads. A sum has a
-/// value 0 without arguments, and an operator +=.
+/// Adds up part(first, end) of all blocks of disks in order: the same bits for any number of threads. A Sum is 0 when
+/// value-initialized, and has an operator +=.
 template <class Sum, class Part>
 Sum sum_over_blocks(std::size_t disks, ThreadPool& pool, Part const& part) {
   auto const part_of = [&](std::size_t block) {

@@ -28,8 +28,7 @@ void require_share(double value, std::string_view name) {
                .key = "disks"});
 }
 
-/// Disks that reach beyond the centres of others have no minimum near, and where centres meet a contact has no
-/// direction.
+/// Throws Error for overlaps so deep that no minimum is near; where two centres meet, a contact has no direction.
 void require_small_overlaps(std::span<Contact const> contacts, std::size_t disks) {
   auto const deepest = std::ranges::max_element(contacts, {}, &Contact::overlap);
   if (deepest == contacts.end() || deepest->overlap() <= largest_overlap) return;
@@ -43,7 +42,7 @@ void require_small_overlaps(std::span<Contact const> contacts, std::size_t disks
                .key = "disks"});
 }
 
-/// The contacts of every disk as places in their list.
+/// Returns for every disk the indices of its contacts.
 std::vector<std::vector<std::uint32_t>> contacts_of_disks(std::span<Contact const> contacts, std::size_t disks) {
   std::vector<std::vector<std::uint32_t>> of_disk(disks);
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
@@ -53,7 +52,7 @@ std::vector<std::vector<std::uint32_t>> contacts_of_disks(std::span<Contact cons
   return of_disk;
 }
 
-/// Takes rattlers away until none is left.
+/// Removes rattlers until none is left.
 void find_backbone(ContactNetwork& network) {
   std::size_t const disks = network.size();
   auto const of_disk = contacts_of_disks(network.contacts, disks);
@@ -100,7 +99,7 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
     network.stress.yy -= virial * contact.normal.y * contact.normal.y;
     network.stress.xy -= virial * contact.normal.x * contact.normal.y;
   }
-  network.pressure = 0.5 * (0.0 - network.stress.xx - network.stress.yy);  // no −0 where nothing touches
+  network.pressure = 0.5 * (0.0 - network.stress.xx - network.stress.yy);  // the 0.0 keeps −0 away
   if (overlaps == 0) return;
   network.mean_force = sum / static_cast<double>(overlaps);
   double largest = 0.0;
@@ -111,8 +110,7 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
   }
   network.residual_force = largest / network.mean_force;
   network.rms_residual_force = std::sqrt(squares / static_cast<double>(network.size())) / network.mean_force;
-  // A few last bits of a coordinate over the mean overlap: twice what Minimizer takes for converged, for files round
-  // once more.
+  // Rounding of coordinates over the mean overlap: twice the limit of Minimizer, because files round once more.
   double const rounding = 0x1p-49 * std::max(box.width(), box.height());
   double const mean_overlap = network.smallest_diameter * sum_of_overlaps / static_cast<double>(overlaps);
   network.rounding_residual = std::min(largest_rounding_residual, rounding / mean_overlap);
@@ -134,7 +132,7 @@ double ContactNetwork::mean_coordination() const {
 std::int64_t ContactNetwork::excess_contacts() const {
   if (backbone_disks == 0) return 0;
   auto const disks = static_cast<std::int64_t>(backbone_disks);
-  // Two of all motions only shift a periodic packing; walls hold it.
+  // A periodic packing has two motions that only shift it; a packing between walls has none.
   std::int64_t const motions = is_periodic ? 2 * (disks - 1) : 2 * disks;
   return static_cast<std::int64_t>(backbone_contacts) - (motions + 1);
 }
@@ -183,7 +181,7 @@ std::vector<Contact> find_gaps(Packing const& packing, ContactNetwork const& net
   std::vector<Contact> gaps;
   auto next = network.contacts.begin();
   for (Contact const& pair : find_contacts(packing, std::max(largest_gap, network.tolerance))) {
-    // Both lists are sorted, and one has all of the other.
+    // Both lists are sorted, and one of them contains the other.
     bool const touches = next != network.contacts.end() && next->first == pair.first && next->second == pair.second;
     if (touches) {
       ++next;

@@ -1,8 +1,8 @@
 #pragma once
 
-// The one place that includes Eigen.
+// The only file that includes Eigen.
 
-// Eigen's own vector instructions would make the bits depend on the compiler and the processor.
+// Vector instructions in Eigen are off: with them the bits would depend on compiler and processor.
 #define EIGEN_DONT_VECTORIZE
 #define EIGEN_DONT_PARALLELIZE
 #include <Eigen/Eigenvalues>

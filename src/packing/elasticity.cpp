@@ -16,13 +16,13 @@ namespace {
 
 using Cholesky = Eigen::SimplicialLLT<SparseMatrix>;
 
-/// The strains xx, yy and xy: what they do to a vector. γ = 2 e_xy, so that sums over xy and yx are made.
+/// The images of a vector under unit strains xx, yy and xy; the last has γ = 2 e_xy = 1, so sums run over xy and yx.
 constexpr std::size_t strains = 3;
 std::array<Vector, strains> strained(Vector r) { return {{{r.x, 0.0}, {0.0, r.y}, {0.5 * r.y, 0.5 * r.x}}}; }
 
 struct StrainedBackbone {
-  Eigen::MatrixXd force;  ///< Ξ: a column for each strain
-  Eigen::Matrix3d born;   ///< the energy of each two strains without motions of disks
+  Eigen::MatrixXd force;  ///< Ξ, the forces on the disks; a column for each strain
+  Eigen::Matrix3d born;   ///< second derivatives of the energy by two strains at fixed disks
 };
 
 StrainedBackbone strain(ContactNetwork const& network, std::span<Contact const> contacts, Unknowns const& unknowns) {
@@ -52,14 +52,14 @@ StrainedBackbone strain(ContactNetwork const& network, std::span<Contact const> 
   return result;
 }
 
-/// Whether a direction costs nothing but for rounding.
+/// Returns whether some motion costs no energy, up to rounding.
 bool is_loose(Cholesky const& cholesky) {
   SparseMatrix const factor = cholesky.matrixL();
   Eigen::VectorXd const diagonal = factor.diagonal();
   return diagonal.size() > 0 && diagonal.minCoeff() < 3e-7 * diagonal.maxCoeff();
 }
 
-/// The disks of the backbone; of a periodic packing, which could be shifted, but the first.
+/// Returns the unknowns: the disks of the backbone, without the first in a periodic packing, which could be shifted.
 Unknowns held(ContactNetwork const& network) {
   std::vector<bool> moves(network.size());
   bool holds_next = network.is_periodic;
@@ -76,7 +76,7 @@ double ElasticModuli::shear() const { return std::isnan(xyxy) ? shear_xx_yy() : 
 
 double ElasticModuli::min_shear() const {
   if (std::isnan(xyxy)) return shear_xx_yy();
-  // The smaller eigenvalue of the two shears, which are turned into each other by 45°.
+  // The softest shear is the smaller eigenvalue of the two shears, which a turn by 45° exchanges.
   double const half_difference = 0.5 * (shear_xx_yy() - xyxy);
   double const between = 0.5 * (xxxy - yyxy);
   return shear() - std::sqrt(half_difference * half_difference + between * between);
@@ -88,7 +88,7 @@ std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& ne
   std::vector<Contact> const contacts = network.backbone();
   Cholesky const cholesky(hessian_of(contacts, network.potential, unknowns));
   if (cholesky.info() != Eigen::Success || is_loose(cholesky)) return std::nullopt;
-  // To the disks it is all the same whether they grow or the box shrinks around them.
+  // Growing disks and a shrinking box exert the same forces on the disks.
   Eigen::MatrixXd const force = strain(network, contacts, unknowns).force;
   Eigen::VectorXd const motion = cholesky.solve(force.col(0) + force.col(1));
   std::vector<Vector> response(network.size());

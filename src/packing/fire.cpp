@@ -7,7 +7,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr double first_time_step = 0.1;  // √(m D²/ε), as the next
+constexpr double first_time_step = 0.1;  // √(m D²/ε); the next constants too
 constexpr double longest_time_step = 0.45;
 constexpr double shortest_time_step = 0.002;
 constexpr std::uint64_t delay = 20;
@@ -47,7 +47,7 @@ void Fire::step(Packing& packing, SoftForces& forces, ForceSums const& sums, Col
     }
     stop();
   }
-  // After the half step back the forces are others; with the old ones the next step would go uphill at a steep place.
+  // After half a step back the forces have changed; with the old forces the next step could go uphill.
   ForceSums const here = is_downhill ? sums : forces.evaluate(packing, velocity_, force);
   double const dt = time_step_;
   double const squared_speed = here.speed_squares + 2.0 * dt * here.power + dt * dt * here.force_squares;

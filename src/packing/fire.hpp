@@ -8,19 +8,19 @@
 
 namespace gridlock {
 
-/// FIRE 2.0: disks roll downhill, each steered along its force, and are stopped wherever they begin to roll uphill.
+/// FIRE 2.0 (fast inertial relaxation engine): disks move as in dynamics, are steered along their forces, and stop
+/// wherever the energy begins to rise.
 /// Source: J. Guénolé et al. (2020), doi:10.1016/j.commatsci.2020.109584.
 class Fire {
  public:
   explicit Fire(std::size_t disks) : velocity_(disks) {}
 
-  /// Begins anew, at rest.
+  /// Begins anew with all disks at rest.
   void start(double diameter);
   void stop();
   [[nodiscard]] Columns const& velocity() const { return velocity_; }
 
-  /// Moves the disks. `force` and `sums` are those where they are, and not those where they come to. In the first
-  /// iterations of a search the time step is not shortened.
+  /// Moves the disks. `force` and `sums` are those before the step. The first iterations keep the time step long.
   void step(Packing& packing, SoftForces& forces, ForceSums const& sums, Columns& force, std::uint64_t iteration);
 
   void serialize(Archive& archive);

@@ -7,7 +7,7 @@ namespace gridlock {
 
 HessianBlock block_of(Contact const& contact, Potential potential, bool is_at_wall) {
   double const stiffness = stiffness_of(contact, potential);
-  // A wall is straight: the force on a disk does not turn as the disk slides along.
+  // A wall is straight: the direction of its force does not change as the disk slides along.
   double const stress = is_at_wall ? 0.0 : force_of(contact, potential) / contact.distance;
   Vector const n = contact.normal;
   double const along = stiffness + stress;
@@ -38,7 +38,7 @@ SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, 
     if (a != Unknowns::none) diagonal[a] += block;
     if (b != Unknowns::none) diagonal[b] += block;
     if (a == Unknowns::none || b == Unknowns::none) continue;
-    // Places grow with the numbers of the disks, so that b > a: below the diagonal.
+    // Indices of unknowns ascend with those of disks, so b > a: the block is below the diagonal.
     auto const row = static_cast<int>(2 * b);
     auto const column = static_cast<int>(2 * a);
     entries.emplace_back(row, column, -block.xx);

@@ -12,20 +12,20 @@ namespace gridlock {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Which unknowns belong to a disk: 2 · place and 2 · place + 1.
+/// The unknowns of each disk: 2 · place (x) and 2 · place + 1 (y).
 struct Unknowns {
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  std::vector<std::uint32_t> place;  ///< of every disk; `none` for a disk that is held
-  std::size_t disks = 0;             ///< that have a place
+  std::vector<std::uint32_t> place;  ///< index of every disk among the unknowns; `none` for a disk that is held
+  std::size_t disks = 0;             ///< number of disks that are not held
 
-  /// All disks.
+  /// All disks are unknowns.
   explicit Unknowns(std::size_t all);
-  /// Those disks that are marked.
+  /// The marked disks are unknowns.
   explicit Unknowns(std::vector<bool> const& takes_part);
 };
 
-/// A symmetric matrix of 2 × 2.
+/// A symmetric matrix of 2 × 2 numbers.
 struct HessianBlock {
   double xx = 0.0;
   double xy = 0.0;
@@ -42,14 +42,13 @@ struct HessianBlock {
   }
 };
 
-/// The second derivatives of the energy of a contact by the separation of its two disks: k n nᵀ − (f/r) (1 − n nᵀ), at
-/// a wall k n nᵀ.
+/// Returns the second derivatives of a contact's energy by the separation: k n nᵀ − (f/r) (1 − n nᵀ); k n nᵀ at a wall.
 HessianBlock block_of(Contact const& contact, Potential potential, bool is_at_wall);
 
-/// The second derivatives of the energy by the positions, the lower triangle.
+/// Returns the lower triangle of the second derivatives of the energy by the positions.
 ///
-/// A contact gives its block to the diagonal blocks of its two disks, and the negative of it to the block between them.
-/// A disk that is held acts as a wall of its shape.
+/// A contact adds its block to the diagonal blocks of its two disks, and subtracts it from the block between them. A
+/// disk that is held acts as a wall of its shape.
 SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns);
 
 }  // namespace gridlock

@@ -23,26 +23,24 @@ namespace gridlock {
 
 namespace {
 
-constexpr double min_shift = 1e-9;  // ε/D², as the next
+constexpr double min_shift = 1e-9;  // shift of the Hessian's diagonal, ε/D²
 constexpr double max_shift = 1e3;
-constexpr double longest_step = 0.1;  // D
+constexpr double longest_step = 0.1;  // longest displacement of a disk in a step, D
 constexpr int max_halvings = 6;
 constexpr std::uint64_t max_slow_newton_steps = 20;
-/// Near a minimum Newton's method is tried again after so many iterations of the others, which take about as long as
-/// those steps.
+/// Iterations of other methods before Newton's method is tried again; they take about as long as its steps.
 constexpr std::uint64_t iterations_before_newton_again = 2000;
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
-constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
-constexpr double min_decrease = 1e-4;             // of what the slope promises
+constexpr double first_quasi_newton_scale = 0.2;  // in D²/ε
+constexpr double min_decrease = 1e-4;             // actual over predicted decrease of the energy, at least
 
-/// ε a disk; below it disks either move apart or hardly press, whatever the way.
+/// Energy for each disk (ε) below which the path no longer matters: disks then move apart or hardly press.
 constexpr double min_energy_of_descent = 1e-8;
 
-constexpr double displacement_from_saddle = 1e-4;  // D
-constexpr double curvature_of_saddle = -1e-7;      // ε/D²
-/// The curvature says nothing where forces do not balance better than this: it is that of a way, and not of a minimum
-/// or a saddle.
+constexpr double displacement_from_saddle = 1e-4;  // length in D
+constexpr double curvature_of_saddle = -1e-7;      // curvature in ε/D²
+/// Largest residual at which the curvature tells a saddle from a minimum; with larger forces the state is neither.
 constexpr double max_residual_of_saddle = 1e-3;
 
 constexpr std::uint64_t iterations_per_look = 8;
@@ -72,7 +70,7 @@ char const* to_text(MinimumStatus status) {
   return "unconverged";
 }
 
-/// Where the methods are between two iterations.
+/// The state of the methods between two iterations.
 class Minimizer::Search {
  public:
   Search(MinimizerSettings const& settings, Packing const& packing)
@@ -92,14 +90,14 @@ class Minimizer::Search {
 
   [[nodiscard]] double diameter() const { return diameter_; }
 
-  /// The forces at these positions, computed once.
+  /// Returns the sums of the forces at these positions, which are computed once.
   ForceSums const& look(Packing const& packing) {
     if (!sums_) sums_ = evaluate(packing);
     return *sums_;
   }
   [[nodiscard]] std::vector<Contact> contacts(Packing const& packing) { return forces_.contacts(packing); }
 
-  /// At rest, with disks that may have another size.
+  /// Begins a search at rest, with disks whose sizes may have changed.
   void restart(Packing const& packing) {
     diameter_ = smallest_diameter(packing);
     start_fire();
@@ -115,7 +113,7 @@ class Minimizer::Search {
     shift_ = min_shift;
   }
 
-  /// Begins with Newton's method: a few contacts that open or close do not lead it astray.
+  /// Begins with Newton's method, which finds the minimum also if a few contacts open or close.
   void begin_near_minimum() {
     if (settings_.newton_residual == 0.0) return;
     is_descending_ = false;
@@ -125,7 +123,7 @@ class Minimizer::Search {
     slow_newton_steps_left_ = max_slow_newton_steps;
   }
 
-  /// Whether the residual is as small as asked for, or as the digits of positions allow.
+  /// Returns whether the residual is as small as required, or as the digits of positions allow.
   [[nodiscard]] bool is_converged(ForceSums const& sums, Box const& box) const {
     if (sums.contacts == 0) return false;
     auto const contacts = static_cast<double>(sums.contacts);
@@ -133,7 +131,7 @@ class Minimizer::Search {
     double const rounding = 0x1p-50 * std::max(box.width(), box.height()) / overlap;
     return sums.residual() <= std::max(settings_.residual, rounding);
   }
-  /// Whether the search still follows the steepest way down; once it has left that it does not come back.
+  /// Returns whether the search still follows the steepest descent; once it has left it, it does not return to it.
   [[nodiscard]] bool is_for_descent(ForceSums const& sums) {
     is_descending_ = is_descending_ && sums.residual() > settings_.descent_residual &&
                      sums.energy > min_energy_of_descent * static_cast<double>(force_.x.size());
@@ -147,14 +145,13 @@ class Minimizer::Search {
   }
   [[nodiscard]] bool is_given_up() const { return iterations_ >= settings_.iterations; }
 
-  /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a
-  /// marginal packing does.
+  /// Returns whether the forces balance at a saddle: some displacement lowers the energy more than pressure alone can.
   bool is_at_saddle(Packing const& packing) {
     if (settings_.newton_residual == 0.0 || look(packing).residual() > max_residual_of_saddle) return false;
     return !factorize(analyzed_hessian(packing), -curvature_of_saddle);
   }
 
-  /// Displaces every disk a little, each in a direction of its own, and leaves the next search to FIRE for longer.
+  /// Displaces every disk a little in a direction of its own, and lets the next search begin with more steps of FIRE.
   void leave_saddle(Packing& packing) {
     ++iterations_;
     ++saddles_;
@@ -180,11 +177,11 @@ class Minimizer::Search {
     fire_.step(packing, forces_, sums, force_, iterations_);
   }
 
-  /// Where the energy does not fall along the step FIRE takes over, down to a tenth of the residual.
+  /// Takes a step of QuasiNewton. If the energy does not fall along it, FIRE continues until the residual is a tenth.
   void quasi_newton_step(Packing& packing, ForceSums const& sums) {
     count_iteration();
     fire_.stop();
-    // On the way the residual rises at times.
+    // The residual may rise during these steps.
     quasi_newton_residual_ = std::numeric_limits<double>::max();
     double const slope = quasi_newton_.find_direction(force_, step_, forces_.pool());
     auto const scale = descend(packing, sums, slope);
@@ -196,8 +193,8 @@ class Minimizer::Search {
     start_fire();
   }
 
-  /// Where no step halves the residual the cheaper methods take over, down to a tenth of it: contacts still open and
-  /// close, and the Hessian of a moment says little.
+  /// Takes a step of Newton's method. If no step halves the residual, contacts still open and close and the Hessian
+  /// changes too much: the cheaper methods then continue until the residual is a tenth.
   void newton_step(Packing& packing, ForceSums const& sums) {
     ++iterations_;
     fire_.stop();
@@ -215,7 +212,7 @@ class Minimizer::Search {
         step_.x[i] = solution[static_cast<Eigen::Index>(2 * i)];
         step_.y[i] = solution[static_cast<Eigen::Index>(2 * i + 1)];
       }
-      // Any fall of the energy will do: it costs a thousandth of a factorization to know.
+      // Any decrease of the energy is accepted: it costs a thousandth of a factorization to test one.
       auto const scale = descend(packing, sums, 0.0);
       if (!scale) continue;
       if (*scale == 1.0) shift_ = std::max(0.2 * shift_, min_shift);
@@ -247,14 +244,14 @@ class Minimizer::Search {
  private:
   ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, fire_.velocity(), force_); }
 
-  /// The next search begins with the steps of FIRE, or of QuasiNewton that knows nothing yet.
+  /// Lets the next search begin with steps of FIRE, or of QuasiNewton without remembered steps.
   void start_fire() {
     sums_.reset();
     quasi_newton_.forget(first_quasi_newton_scale * diameter_ * diameter_);
     fire_.start(diameter_);
   }
 
-  /// Iterations of the methods that take over from Newton's.
+  /// Counts an iteration of the methods that continue after Newton's method.
   void count_iteration() {
     if (++iterations_ == newton_again_at_) begin_near_minimum();
   }
@@ -267,9 +264,8 @@ class Minimizer::Search {
     start_fire();
   }
 
-  /// Moves along step_, by no more than 0.1 D for any disk and half as far again and again until the energy falls by as
-  /// much as the slope promises or the residual halves. Returns the share of the step; nothing, and the disks where
-  /// they were, where neither comes.
+  /// Moves along step_, by at most 0.1 D for any disk. Halves the step until the energy falls as the slope predicts or
+  /// the residual halves. Returns the factor of step_; nothing, with the disks moved back, if neither happens.
   std::optional<double> descend(Packing& packing, ForceSums const& sums, double slope) {
     before_.x = packing.x;
     before_.y = packing.y;
@@ -296,21 +292,21 @@ class Minimizer::Search {
     return {};
   }
 
-  /// The Hessian of all disks, for factorize().
+  /// Returns the Hessian of all disks, prepared for factorize().
   SparseMatrix analyzed_hessian(Packing const& packing) {
     SparseMatrix hessian = hessian_of(contacts(packing), settings_.potential, Unknowns(packing.size()));
     analyze(hessian);
     return hessian;
   }
 
-  /// Whether the Hessian and a multiple of ε/D² on its diagonal are positive definite: then factors_ solves with them.
+  /// Returns whether the Hessian plus shift · ε/D² on its diagonal is positive definite; factors_ then solves with it.
   bool factorize(SparseMatrix const& hessian, double shift) {
     factors_.setShift(shift / (diameter_ * diameter_));
     factors_.factorize(hessian);
     return factors_.info() == Eigen::Success;
   }
 
-  /// Finds the order of elimination anew where the pattern of the matrix is another one.
+  /// Computes the order of elimination if the pattern of the matrix has changed.
   void analyze(SparseMatrix const& hessian) {
     std::span const outer(hessian.outerIndexPtr(), static_cast<std::size_t>(hessian.outerSize() + 1));
     std::span const inner(hessian.innerIndexPtr(), static_cast<std::size_t>(hessian.nonZeros()));
@@ -324,24 +320,24 @@ class Minimizer::Search {
   SoftForces forces_;
   double diameter_;
   Columns force_;
-  std::optional<ForceSums> sums_;  ///< of force_, where that is known
+  std::optional<ForceSums> sums_;  ///< sums of force_, where they are known
   Columns step_;
-  Columns before_;  ///< positions before a step, as the next
+  Columns before_;  ///< positions before a step; the next array holds the forces
   Columns force_before_;
   SteepestDescent descent_;
   Fire fire_;
   QuasiNewton quasi_newton_;
   Eigen::SimplicialLLT<SparseMatrix> factors_;
-  std::vector<int> outer_;  ///< the pattern that factors_ knows, with the next
+  std::vector<int> outer_;  ///< pattern of the matrix for which factors_ has been analyzed; the next array too
   std::vector<int> inner_;
   double quasi_newton_residual_;
   double newton_residual_;
   double shift_ = min_shift;
   bool is_descending_ = true;
-  bool is_near_minimum_ = false;              ///< by what it was begun with
-  std::uint64_t newton_again_at_ = never;     ///< iterations_ after which Newton's method begins anew
-  std::uint64_t slow_newton_steps_left_ = 0;  ///< that may gain little, before Newton's method is left
-  std::uint64_t iterations_ = 0;              ///< of this search, as the next
+  bool is_near_minimum_ = false;              ///< whether the search began near a minimum
+  std::uint64_t newton_again_at_ = never;     ///< value of iterations_ at which Newton's method begins again
+  std::uint64_t slow_newton_steps_left_ = 0;  ///< steps with little gain before it is left
+  std::uint64_t iterations_ = 0;              ///< iterations of this search; the next counts too
   std::uint64_t saddles_ = 0;
 };
 
@@ -373,11 +369,11 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
       } else if (search_->is_for_descent(sums)) {
         search_->descent_step(packing_);
         ++descent_iterations_;
-        k = iterations_per_look;  // it takes as long as up to 200 of the others
+        k = iterations_per_look;  // a step takes as long as up to 200 others, so the callback is asked after it
       } else if (search_->is_for_newton(sums)) {
         search_->newton_step(packing_, sums);
         ++newton_iterations_;
-        k = iterations_per_look;  // it takes as long as a hundred of them
+        k = iterations_per_look;  // a step takes as long as a hundred others
       } else if (search_->is_for_quasi_newton(sums)) {
         search_->quasi_newton_step(packing_, sums);
         ++quasi_newton_iterations_;

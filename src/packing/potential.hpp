@@ -6,23 +6,23 @@
 
 namespace gridlock {
 
-/// A potential and its derivatives as functions of the overlap δ and the contact distance σ; 0 without overlap. No
-/// function but the square root is used, so that every compiler gives the same bits.
+/// The potential of soft disks and its derivatives as functions of the overlap δ and the contact distance σ; all are 0
+/// without overlap. Only square roots are used, so that every compiler gives the same bits.
 class Law {
  public:
   explicit Law(Potential potential) : is_harmonic_(potential == Potential::harmonic) {}
 
-  /// V = δ^α/α.
+  /// Returns V = δ^α/α.
   [[nodiscard]] double energy(double overlap) const {
     if (overlap <= 0.0) return 0.0;
     return is_harmonic_ ? 0.5 * overlap * overlap : 0.4 * overlap * overlap * std::sqrt(overlap);
   }
-  /// −dV/dr = δ^(α−1)/σ.
+  /// Returns −dV/dr = δ^(α−1)/σ.
   [[nodiscard]] double force(double overlap, double contact_distance) const {
     if (overlap <= 0.0) return 0.0;
     return (is_harmonic_ ? overlap : overlap * std::sqrt(overlap)) / contact_distance;
   }
-  /// d²V/dr² = (α−1) δ^(α−2)/σ².
+  /// Returns d²V/dr² = (α−1) δ^(α−2)/σ².
   [[nodiscard]] double stiffness(double overlap, double contact_distance) const {
     if (overlap <= 0.0) return 0.0;
     return (is_harmonic_ ? 1.0 : 1.5 * std::sqrt(overlap)) / (contact_distance * contact_distance);

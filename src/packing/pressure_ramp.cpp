@@ -17,48 +17,47 @@ namespace gridlock {
 namespace {
 
 constexpr double min_share_of_goal = 0.3;
-/// From a pressure that is too high a ramp up comes back in steps down to this share of it.
+/// Least pressure of a step down over the present pressure, where a ramp up has passed its goal.
 constexpr double share_of_step_back = 0.32;
-/// Halvings of a step down. Disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures.
-/// They rearrange at once.
+/// Largest number of halvings of a step down. Disks that lose all contacts even at a thousandth of the step have no
+/// packing at lower pressures.
 constexpr std::uint64_t max_halvings_of_ramp = 12;
-/// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
+/// Largest number of minima between two levels; usual are five. Towards a tiny goal there would be no end.
 constexpr std::uint64_t max_minima_between_levels = 300;
-/// Minima near the pressure asked for before it is given up; usually there are one to three.
+/// Largest number of minima near the final pressure; usual are one to three.
 constexpr std::uint64_t max_minima_near_end = 20;
 
-/// The first step up from disks that do not press makes so many pairs of each disk touch, of about two in a jammed
-/// packing.
+/// Contacts for each disk that the first step up shall make; a jammed packing has about two.
 constexpr double pairs_of_a_disk = 1.5;
 
-/// Longest displacement of a disk, in smallest diameters, by the response to growth.
+/// Longest displacement of a disk by the response to growth, in smallest diameters.
 constexpr double longest_step_of_ramp = 0.1;
 
-/// du/dφ where nothing better is known: that of random packings of two sizes.
+/// Slope du/dφ while none is measured: that of random packings of two sizes.
 constexpr double usual_slope_harmonic = 0.27;
 constexpr double usual_slope_hertzian = 0.36;
 
-/// The root x of xⁿ = value for value > 0, by Newton's method: every processor and library gives the same bits.
+/// Returns the root x of xⁿ = value for value > 0 by Newton's method: the same bits on every processor and library.
 double nth_root(double value, std::uint64_t n) {
   double x = std::max(value, 1.0);
   for (int k = 0; k < 2000; ++k) {
     double power = 1.0;
     for (std::uint64_t i = 1; i < n; ++i) power *= x;
     double const next = x - (x * power - value) / (static_cast<double>(n) * power);
-    if (!(next < x)) break;  // from above the steps lead down until rounding ends them
+    if (!(next < x)) break;  // from above, steps lead down until rounding ends them
     x = next;
   }
   return x;
 }
 
-/// The function of p that is linear in the distance to jamming: p, or p^(2/3).
+/// Returns the function of p that is linear in the distance to jamming: p, or p^(2/3).
 double linear_pressure(double pressure, Potential potential) {
   if (pressure <= 0.0) return 0.0;
   return potential == Potential::harmonic ? pressure : nth_root(pressure * pressure, 3);
 }
 
-/// One member of every level. A file can hold anything: there are as many levels as the columns have numbers, and no
-/// more.
+/// Serializes one member of all levels. Only the length of a column sets the number of levels: `count` of a damaged
+/// file can be anything.
 template <class Value>
 void serialize_column(Archive& archive, std::string_view name, std::uint64_t count, std::vector<PressureLevel>& levels,
                       Value PressureLevel::*member) {
@@ -153,9 +152,9 @@ void PressureRamp::try_packing_fraction(double packing_fraction) {
   is_near_minimum ? minimizer_.restart_near_minimum(std::move(next)) : minimizer_.restart(std::move(next));
 }
 
-/// Moves the disks as the contacts of the last minimum let them, so that all forces grow or shrink alike. Where disks
-/// stay, the weak contacts of a packing near jamming open at once, and the minimizer has to find the network anew.
-/// Returns whether it has moved them.
+/// Displaces the disks by the response of the last minimum, so that all forces grow or shrink by one factor; otherwise
+/// weak contacts near jamming open, and the minimizer must find the network anew. Returns whether it has displaced
+/// them.
 bool PressureRamp::move_with_growth(Packing& packing, double growth) {
   if (pressure_ == 0.0) return false;
   if (!response_) response_ = find_growth_response(find_contact_network(good_, settings_.minimizer.potential));
@@ -207,12 +206,12 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
   settings_.packing_fraction ? next_packing_fraction() : next_goal();
 }
 
-/// Whether the pressure is the one asked for.
+/// Returns whether the pressure is the final one.
 bool PressureRamp::is_at_end() const {
   return std::abs(pressure_ - settings_.pressure) <= precision * settings_.pressure;
 }
 
-/// Whether the last minimum is kept: going up each that presses, going down one for each goal.
+/// Returns whether the last minimum is a level: on the way up each minimum with pressure, down one for each goal.
 bool PressureRamp::is_level() const {
   if (levels_.empty() || settings_.packing_fraction) return true;
   if (!leads_down()) return pressure_ > 0.0;
@@ -236,7 +235,7 @@ void PressureRamp::end(RampStatus status) {
 void PressureRamp::next_packing_fraction() {
   double const goal = *settings_.packing_fraction;
   double const left = goal - packing_fraction_;
-  // The radii come as near as their rounding allows.
+  // The radii are as near to the goal as rounding allows.
   if (left == 0.0 || tried_ == goal) return end(RampStatus::reached);
   try_packing_fraction(
       std::abs(left) <= (1.0 + 1e-9) * settings_.step ? goal : packing_fraction_ + std::copysign(settings_.step, left));
@@ -246,12 +245,12 @@ void PressureRamp::next_goal() {
   if (is_at_end()) return end(RampStatus::reached);
   bool const is_near =
       pressure_ >= min_share_of_goal * settings_.pressure && pressure_ <= max_share_of_goal * settings_.pressure;
-  // Steps as long as `step` only lead there.
+  // Steps as long as `step` are still on the way and are not counted.
   if (is_near && aims_at_end_) ++minima_near_end_;
   if (minima_near_end_ > max_minima_near_end) return end(RampStatus::missed);
   if (!leads_down() && packing_fraction_ > max_packing_fraction) return end(RampStatus::unjammed);
   if (!leads_down()) return approach(settings_.pressure);
-  // The levels are powers of the same factor, whatever the pressure of the start.
+  // Levels are powers of one factor, so they do not depend on the pressure at the start.
   double const factor = 1.0 / nth_root(10.0, settings_.levels_per_decade);
   double level = 1.0;
   double const last = max_share_of_goal * settings_.pressure;
@@ -259,12 +258,12 @@ void PressureRamp::next_goal() {
   approach(level > last ? level : settings_.pressure);
 }
 
-/// Tries the packing fraction at which a straight line reaches the goal; while nothing presses, the next step up.
+/// Tries the packing fraction at which a straight line reaches the goal; without contacts, the next step up.
 void PressureRamp::approach(double goal) {
   if (pressure_ == 0.0) {
     goal_ = goal;
     aims_at_end_ = false;
-    // Beyond the first contacts the pressure has to rise to the goal; minima that hardly press are found slowly.
+    // The step leads beyond the first contacts to the goal, because minima with hardly any pressure are found slowly.
     if (step_up_ == 0.0)
       step_up_ = step_to_first_contacts() + linear_pressure(goal, settings_.minimizer.potential) / slope_;
     step_up_ = std::min(settings_.step, step_up_);
@@ -280,8 +279,7 @@ void PressureRamp::approach(double goal) {
   try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
 }
 
-/// The growth after which `pairs_of_a_disk` pairs for each disk overlap: disks that nearly touch are pressed no more
-/// than they must.
+/// Returns the growth of φ after which `pairs_of_a_disk` pairs for each disk overlap, and disks press hardly at all.
 double PressureRamp::step_to_first_contacts() const {
   double const largest_gap = settings_.step / packing_fraction_;
   std::vector<Contact> pairs = find_contacts(good_, largest_gap);
@@ -289,7 +287,7 @@ double PressureRamp::step_to_first_contacts() const {
   if (pairs.size() <= count) return settings_.step;
   auto const middle = pairs.begin() + static_cast<std::ptrdiff_t>(count);
   std::ranges::nth_element(pairs, middle, std::ranges::greater(), &Contact::overlap);
-  // φ grows as the square of the radii.
+  // φ grows with the square of the radii.
   return std::max(-2.0 * packing_fraction_ * middle->overlap(), 0.0);
 }
 
@@ -348,7 +346,7 @@ PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
 }
 
 void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
-  // Columns, since there may be a million levels, and a name for each would take more room than the numbers.
+  // Columns are used, because a million levels with a name for each would take more memory in names than in numbers.
   std::uint64_t count = levels.size();
   archive.visit("levels", count);
   serialize_column(archive, "packing_fraction", count, levels, &PressureLevel::packing_fraction);

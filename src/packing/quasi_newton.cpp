@@ -12,14 +12,13 @@ namespace gridlock {
 
 namespace {
 
-/// Steps remembered. Of 2 to 10, five need the fewest forces (docs/notebook/jamming.md).
+/// Number of remembered steps. Of 2 to 10, five need the fewest evaluations of forces (docs/notebook/jamming.md).
 constexpr std::size_t max_pairs = 5;
 
-/// Sums side by side, so that registers of any width give the same bits.
+/// Partial sums, as many as the widest registers need, so that registers of any width give the same bits.
 using Lanes = std::array<double, 32>;
 
-/// Adds a b of the numbers from first to end, which are fewer than there are lanes, each to its lane; returns all lanes
-/// together.
+/// Adds the last products a b, fewer than there are lanes, to the lanes; returns the sum of all lanes.
 double finish(Lanes& sums, double const* a, double const* b, std::size_t first, std::size_t end) {
   for (std::size_t k = first; k < end; ++k) sums[k - first] += a[k] * b[k];
   for (std::size_t half = sums.size() / 2; half > 0; half /= 2) {
@@ -28,7 +27,7 @@ double finish(Lanes& sums, double const* a, double const* b, std::size_t first, 
   return sums[0];
 }
 
-/// Σ a b over the numbers from first to end.
+/// Returns Σ a b over the numbers from `first` to `end`.
 double multiply_plainly(double const* a, double const* b, std::size_t first, std::size_t end) {
   Lanes sums{};
   std::size_t k = first;
@@ -99,7 +98,7 @@ double dot(Columns const& a, Columns const& b, ThreadPool& pool) {
   });
 }
 
-/// step ← step + factor added; returns step · other. One pass through memory for both.
+/// Computes step ← step + factor · added and returns step · other, in one pass through memory.
 double add_and_dot(Columns& step, double factor, Columns const& added, Columns const& other, ThreadPool& pool) {
   Kernels const kernel = kernels();
   return sum_over_blocks<double>(step.x.size(), pool, [&](std::size_t first, std::size_t end) {
@@ -115,7 +114,7 @@ double add_and_dot(Columns& step, double factor, Columns const& added, Columns c
 double QuasiNewton::find_direction(Columns const& force, Columns& step, ThreadPool& pool) {
   step = force;
   std::array<double, max_pairs> shares{};
-  // Each pass adds one term and has the product for the next.
+  // Each pass adds one term and computes the product that the next pass needs.
   std::size_t const count = pairs_.size();
   double product = dot(force, count > 0 ? pairs_.back().step : force, pool);
   for (std::size_t k = count; k-- > 0;) {
@@ -150,7 +149,7 @@ void QuasiNewton::remember(Columns const& step, double scale, Columns const& for
   }
   pair.curvature = dot(pair.step, pair.change, pool);
   double const square = dot(pair.change, pair.change, pool);
-  // A curvature of 0 but for rounding would make the next step as long as anything.
+  // A curvature of 0 up to rounding would make the next step arbitrarily long.
   if (!(pair.curvature > 1e-12 * square * first_scale_)) return;
   pair.scale = pair.curvature / square;
   pairs_.push_back(std::move(pair));

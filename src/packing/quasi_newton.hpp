@@ -9,18 +9,17 @@
 
 namespace gridlock {
 
-/// The limited-memory method of Broyden, Fletcher, Goldfarb and Shanno: the inverse of the Hessian as the last few
-/// steps and what they changed in the forces tell it.
+/// The limited-memory method of Broyden, Fletcher, Goldfarb and Shanno: an inverse Hessian estimated from the last few
+/// steps and the changes of forces along them.
 /// Source: D. C. Liu and J. Nocedal (1989), doi:10.1007/BF01589116.
 class QuasiNewton {
  public:
-  /// first_scale: the step for a unit force while nothing is known.
+  /// `first_scale` is the length of a step for a unit force while no step is remembered.
   QuasiNewton(std::size_t disks, double first_scale) : disks_(disks), first_scale_(first_scale) {}
 
-  /// Writes the step that leads to where forces vanish if the energy is the quadratic form that is known. Returns
-  /// step · force.
+  /// Writes the step to the minimum of the quadratic energy that is estimated. Returns step · force.
   double find_direction(Columns const& force, Columns& step, ThreadPool& pool);
-  /// Learns from a step that was `scale` times this one. One along which the energy curves down is not learnt from.
+  /// Learns from a move by `scale` times `step`. A step along which the energy curves down is ignored.
   void remember(Columns const& step, double scale, Columns const& force_before, Columns const& force_after,
                 ThreadPool& pool);
   void forget(double first_scale);
@@ -37,7 +36,7 @@ class QuasiNewton {
 
   std::size_t disks_;
   double first_scale_;
-  std::vector<Pair> pairs_;  ///< the oldest first
+  std::vector<Pair> pairs_;  ///< oldest first
 };
 
 }  // namespace gridlock

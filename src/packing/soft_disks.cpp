@@ -64,7 +64,7 @@ std::vector<Contact> find_contacts(Packing const& packing, double largest_gap) {
   double const factor = 1.0 + largest_gap;
   double const cutoff = largest_contact_distance(packing.radius) * factor;
   std::vector<Contact> contacts;
-  // A disk alone touches its own images.
+  // A single disk can touch its own images.
   if (packing.size() == 1 && 2.0 * cutoff > std::min(packing.box.width(), packing.box.height())) {
     require_room_for_images(packing.box, cutoff);
   }
@@ -79,7 +79,7 @@ std::vector<Contact> find_contacts(Packing const& packing, double largest_gap) {
       double const sigma = packing.radius[i] + packing.radius[j];
       double const distance = std::sqrt(squared_length(d));
       if (distance >= sigma * factor) continue;
-      // Two disks at one place have no direction; which one they are pushed in does not matter.
+      // Two centres at one point have no direction; any will do.
       Vector const normal = distance > 0.0 ? Vector{d.x / distance, d.y / distance} : Vector{1.0, 0.0};
       contacts.push_back({.first = i, .second = j, .normal = normal, .distance = distance, .contact_distance = sigma});
     }

@@ -19,10 +19,10 @@ namespace gridlock {
 
 namespace {
 
-/// An entry of the list: a partner, and which of its images, up to `farthest_image` boxes away in each direction.
+/// An entry of the list is a partner and, in higher bits, its image, up to `farthest_image` boxes away in x and in y.
 constexpr std::uint32_t partner_bits = 26;
 constexpr std::uint32_t partner_mask = (1U << partner_bits) - 1;
-constexpr std::uint32_t image_bits = 3;  ///< of each direction
+constexpr std::uint32_t image_bits = 3;  ///< number of bits for each direction
 constexpr std::uint32_t image_mask = (1U << image_bits) - 1;
 constexpr int farthest_image = 3;
 
@@ -161,7 +161,7 @@ void SoftForces::build(Packing const& packing) {
 
 void SoftForces::Touching::make_room_for(std::size_t entries) {
   if (first.size() > entries + 8) return;
-  std::size_t const size = 2 * entries + 9;  // up to eight places behind the last are written and not kept
+  std::size_t const size = 2 * entries + 9;  // up to eight entries behind the last are written as scratch
   for (auto* column : {&dx, &dy, &square, &sigma, &overlap, &force, &scale}) column->resize(size);
   first.resize(size);
   second.resize(size);
@@ -170,8 +170,8 @@ void SoftForces::Touching::make_room_for(std::size_t entries) {
 #ifdef GRIDLOCK_AVX512
 namespace {
 
-/// Distance along x, contact distance, distance along y, and nothing: of the entry in the lower half, of the fourth
-/// behind it in the upper.
+/// Returns distance along x, contact distance, distance along y, and an unused number: of the entry in the lower half,
+/// of the entry four behind it in the upper half.
 GRIDLOCK_AVX512 __m512d pair_of_differences(SoftDiskRow const* rows, std::uint32_t const* entry,
                                             std::uint32_t const* owner) {
   __m256d const lower =
@@ -185,7 +185,7 @@ GRIDLOCK_AVX512 __m512d pair_of_differences(SoftDiskRow const* rows, std::uint32
 
 GRIDLOCK_AVX512 std::size_t SoftForces::find_touching_of_eights(std::size_t first, std::size_t end, Touching& touching,
                                                                 std::size_t& count) const {
-  // The first and third pair of numbers of each half of two registers, and the second and fourth.
+  // Selects the first and third pair of numbers of each half of two registers, or the second and fourth.
   __m512i const first_pairs = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   __m512i const second_pairs = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   __m512d const shifts_x = _mm512_loadu_pd(shifts_x_.data());
@@ -253,7 +253,7 @@ std::size_t SoftForces::find_touching(std::size_t first, std::size_t end, Touchi
 }
 
 #ifdef GRIDLOCK_AVX512
-/// The same operations as below eight at a time, as long as there are eight; returns how many are done.
+/// Computes eight pairs at a time by the operations below. Returns the number of pairs done, a multiple of eight.
 template <Potential potential>
 GRIDLOCK_AVX512 std::size_t SoftForces::compute_eight_pushes(Touching& touching, std::size_t count) {
   __m512d const one = _mm512_set1_pd(1.0);
@@ -308,11 +308,12 @@ void SoftForces::push_from_walls(Packing const& packing, std::size_t first, std:
   }
 }
 
-/// With is_half every pair is in the list of its lower number alone, and gives its force to both: by the time a disk's
-/// own list is reached, all lower numbers have given theirs, in order. Otherwise a disk takes all its forces itself, in
-/// the same order.
+/// Computes the forces on a block of disks. With is_half every pair is in the list of its lower number alone and gives
+/// its force to both disks, before the higher disk's own list is reached. Otherwise each disk adds all its forces
+/// itself, in the same order.
 ///
-/// Which entries are in contact cannot be predicted: they are gathered without a branch, then computed together.
+/// Processors cannot predict which entries are in contact, so these are gathered without a branch, then computed
+/// together.
 template <Potential potential, bool is_half>
 ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces,
                                      std::size_t first, std::size_t end) const {
@@ -335,7 +336,7 @@ ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velo
     double push_x = touching.scale[k] * touching.dx[k];
     double push_y = touching.scale[k] * touching.dy[k];
     if (touching.square[k] == 0.0) [[unlikely]] {
-      push_x = j > i ? touching.force[k] : -touching.force[k];  // two disks at one place: pushed apart along x
+      push_x = j > i ? touching.force[k] : -touching.force[k];  // two centres at one point: pushed apart along x
       push_y = 0.0;
     }
     force_x[i] -= push_x;

@@ -10,7 +10,7 @@
 
 namespace gridlock {
 
-/// One number for each disk and direction.
+/// A vector for each disk, in two arrays.
 struct Columns {
   std::vector<double> x;
   std::vector<double> y;
@@ -19,31 +19,31 @@ struct Columns {
   explicit Columns(std::size_t size) : x(size), y(size) {}
 };
 
-/// The sums of the forces on all disks.
+/// Sums over all disks and contacts.
 struct ForceSums {
   double energy = 0.0;
   double contact_forces = 0.0;  ///< Σ f over contacts
   double overlaps = 0.0;        ///< Σ δ over contacts
   std::uint64_t contacts = 0;
-  double largest_square = 0.0;  ///< of the net force on a disk
+  double largest_square = 0.0;  ///< square of the largest net force on a disk
   double force_squares = 0.0;   ///< Σ F²
   double power = 0.0;           ///< Σ F·v
   double speed_squares = 0.0;   ///< Σ v²
 
   ForceSums& operator+=(ForceSums const& part);
-  /// Adds one contact.
+  /// Adds a contact.
   void count(double energy_of_contact, double force, double overlap) {
     energy += energy_of_contact;
     contact_forces += force;
     overlaps += overlap;
     ++contacts;
   }
-  /// Largest net force over the mean contact force; 0 without contacts.
+  /// Returns the largest net force over the mean contact force; 0 without contacts.
   [[nodiscard]] double residual() const;
 };
 
-/// The numbers of a disk that its force needs, side by side: where two of these have every other number subtracted and
-/// the rest added, their distances along x and y and their contact distance come out.
+/// The numbers of a disk that its force needs. Of two rows the numbers are subtracted or added in turn, which gives the
+/// distance along x, the contact distance and the distance along y.
 struct alignas(32) SoftDiskRow {
   double x;
   double radius;
@@ -51,32 +51,32 @@ struct alignas(32) SoftDiskRow {
   double unused = 0.0;
 };
 
-/// The forces between soft disks, by a Verlet list: pairs nearer than their contact distance and a skin, found anew
-/// once disks may have crossed it.
+/// The forces between soft disks, by a Verlet list: pairs nearer than their contact distance plus a skin, searched
+/// again once disks may have crossed the skin.
 ///
 /// A disk adds up the forces of its partners in the order of their numbers, and sums over disks are taken block by
-/// block, so that the bits depend neither on the list nor on the threads.
+/// block, so that the bits depend on neither the list nor the threads.
 class SoftForces {
  public:
   SoftForces(Packing const& packing, Potential potential, std::uint64_t threads);
 
-  /// Forces at these positions and radii; `velocities` only for the sums.
+  /// Computes forces at these positions and radii; `velocities` are used for the sums only.
   ForceSums evaluate(Packing const& packing, Columns const& velocities, Columns& forces);
 
-  /// All pairs that overlap there, sorted.
+  /// Returns all pairs that overlap, sorted.
   std::vector<Contact> contacts(Packing const& packing);
 
-  /// The threads that share the work.
+  /// The threads that compute forces.
   ThreadPool& pool() { return pool_; }
 
  private:
-  /// Pairs that overlap, column by column.
+  /// Pairs that overlap, one array for each quantity.
   struct Touching {
     std::vector<std::uint32_t> first;
     std::vector<std::uint32_t> second;
     std::vector<double> dx;
     std::vector<double> dy;
-    std::vector<double> square;  ///< of the distance
+    std::vector<double> square;  ///< square of the distance
     std::vector<double> sigma;
     std::vector<double> overlap;
     std::vector<double> force;
@@ -87,14 +87,14 @@ class SoftForces {
 
   void refresh(Packing const& packing);
   void build(Packing const& packing);
-  /// Copies the disks to rows_; returns how far two of them can have come nearer since the list was built.
+  /// Copies the disks to rows_. Returns the largest distance by which two can have approached since the last search.
   double update_rows(Packing const& packing);
   template <Potential potential, bool is_half>
   ForceSums evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces, std::size_t first,
                            std::size_t end) const;
-  /// Those of the entries from first to end that overlap; returns how many.
+  /// Finds the entries from `first` to `end` that overlap; returns their number.
   std::size_t find_touching(std::size_t first, std::size_t end, Touching& touching) const;
-  /// The same for as many eights as there are; returns the entry it has come to, and counts.
+  /// Does the same for eight entries at a time. Returns the first entry that it has left, and adds to `count`.
   std::size_t find_touching_of_eights(std::size_t first, std::size_t end, Touching& touching, std::size_t& count) const;
   template <Potential potential>
   static std::size_t compute_eight_pushes(Touching& touching, std::size_t count);
@@ -108,18 +108,17 @@ class SoftForces {
   [[nodiscard]] std::uint32_t entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const;
 
   Potential potential_;
-  double skin_of_smallest_ = 0.25;  ///< in smallest diameters
-  double skin_ = 0.0;               ///< at the last build
+  double skin_of_smallest_ = 0.25;  ///< skin in smallest diameters
+  double skin_ = 0.0;               ///< skin at the last search
   Columns built_at_;
   std::vector<double> built_radii_;
   std::vector<std::size_t> begin_;
-  /// A partner in the lower bits, and above them which of its images is near: half of the pairs for one thread, both
-  /// ways for more.
+  /// Partner and image for each entry. Each pair is listed once for one thread, twice for more threads.
   std::vector<std::uint32_t> entries_;
-  std::vector<std::uint32_t> owners_;  ///< the disk in whose list an entry is
+  std::vector<std::uint32_t> owners_;  ///< disk whose list has the entry
   std::vector<SoftDiskRow> rows_;
-  std::array<double, 8> shifts_x_{};  ///< of images, by the middle bits of an entry
-  std::array<double, 8> shifts_y_{};  ///< the same by the upper bits
+  std::array<double, 8> shifts_x_{};  ///< shift in x of an image, by the middle bits of an entry
+  std::array<double, 8> shifts_y_{};  ///< shift in y of an image, by the upper bits of an entry
   ThreadPool pool_;
 };
 

@@ -19,13 +19,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Up to here all eigenvalues of the dense Hessian take less time than it would take to think about it.
+/// Number of unknowns up to which all eigenvalues of the dense Hessian are computed, which then is fast enough.
 constexpr Index max_unknowns_of_dense = 200;
 constexpr Index max_steps = 1000;
-/// The residual of a mode over its eigenvalue of the inverse.
+/// Accepted residual of a mode over its eigenvalue of the inverse.
 constexpr double precision = 1e-12;
 
-/// Takes out what shifts all disks alike.
+/// Subtracts the common shift of all disks.
 void remove_shift(VectorXd& mode) {
   for (Index const axis : {0, 1}) {
     auto components = mode(Eigen::seq(axis, mode.size() - 1, 2));
@@ -33,8 +33,8 @@ void remove_shift(VectorXd& mode) {
   }
 }
 
-/// Adds to the diagonal what makes H positive definite: the Cholesky factor of H + s 1, the same in every order of
-/// disks.
+/// Factorizes H + s 1 by Cholesky's method, where s makes it positive definite; the factor is the same for every order
+/// of disks.
 class ShiftedInverse {
  public:
   explicit ShiftedInverse(SparseMatrix const& hessian) {
@@ -51,7 +51,7 @@ class ShiftedInverse {
   Eigen::SimplicialLLT<SparseMatrix> cholesky_;
 };
 
-/// Numbers between −½ and ½ that are like no mode.
+/// Returns numbers between −½ and ½ that resemble no mode.
 VectorXd first_guess(Index size) {
   VectorXd guess(size);
   double value = 0.0;
@@ -63,7 +63,7 @@ VectorXd first_guess(Index size) {
   return guess;
 }
 
-/// The eigenvector of the largest eigenvalue of the shifted inverse by Lanczos steps, each orthogonal to all before.
+/// Finds the eigenvector of the shifted inverse's largest eigenvalue by Lanczos steps, each orthogonal to all before.
 class Lanczos {
  public:
   Lanczos(SparseMatrix const& hessian, bool is_periodic)
@@ -93,19 +93,19 @@ class Lanczos {
     basis_.col(used_++) = v;
   }
 
-  /// The inverse times the last vector, less what the basis has of it.
+  /// Returns the inverse times the last vector, without its components along the basis.
   VectorXd rest_of_step(Index step) {
     VectorXd next = inverse_(basis_.col(step));
     if (is_periodic_) remove_shift(next);
     along_.push_back(next.dot(basis_.col(step)));
     auto const known = basis_.leftCols(used_);
-    // Twice is enough.
+    // Orthogonalized twice, which is enough against rounding.
     for (int time = 0; time < 2; ++time) next -= known * (known.transpose() * next);
     between_.push_back(next.norm());
     return next;
   }
 
-  /// The best mode that the basis has; whether it is good enough.
+  /// Finds the best mode in the basis; returns whether it is accurate enough.
   bool is_found(double rest) {
     Eigen::SelfAdjointEigenSolver<MatrixXd> solver;
     Eigen::Map<VectorXd const> const diagonal(along_.data(), used_);
@@ -125,8 +125,7 @@ class Lanczos {
   VectorXd mode_;
 };
 
-/// The eigenvector of the smallest eigenvalue; of a periodic packing but the two that shift it, which a large stiffness
-/// takes out of the way.
+/// Returns the eigenvector of the smallest eigenvalue. In a periodic packing a large stiffness excludes the two shifts.
 VectorXd mode_of_dense(SparseMatrix const& hessian, bool is_periodic) {
   MatrixXd full = MatrixXd(hessian).selfadjointView<Eigen::Lower>();
   if (is_periodic) {
@@ -138,7 +137,7 @@ VectorXd mode_of_dense(SparseMatrix const& hessian, bool is_periodic) {
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(full).eigenvectors().col(0);
 }
 
-/// The largest component, the first of equal ones, becomes positive.
+/// Makes the largest component positive, the first of equal ones.
 void fix_sign(VectorXd& mode) {
   Index largest = 0;
   mode.cwiseAbs().maxCoeff(&largest);

@@ -12,29 +12,29 @@ namespace gridlock {
 
 namespace {
 
-constexpr double max_error = 0.01;  // D
-constexpr double first_time = 0.1;  // D²/ε
+constexpr double max_error = 0.01;  // largest error of a step, D
+constexpr double first_time = 0.1;  // duration of the first step, D²/ε
 constexpr int max_stages = 200;
 constexpr double damping = 2.0 / 13.0;
 
-/// T_j and its first two derivatives at one place.
+/// The Chebyshev polynomial T_j and its first two derivatives at a point w.
 struct Chebyshev {
   double value = 1.0;
   double slope = 0.0;
   double curvature = 0.0;
 
-  /// By the recurrence T_{j+1}(w) = 2 w T_j − T_{j−1}.
+  /// Returns T_{j+1}(w) = 2 w T_j − T_{j−1}.
   static Chebyshev next(double w, Chebyshev const& here, Chebyshev const& last) {
     return {.value = 2.0 * w * here.value - last.value,
             .slope = 2.0 * here.value + 2.0 * w * here.slope - last.slope,
             .curvature = 4.0 * here.slope + 2.0 * w * here.curvature - last.curvature};
   }
-  /// The weight b_j of a stage.
+  /// Returns the weight b_j of a stage.
   [[nodiscard]] double weight() const { return curvature / (slope * slope); }
 };
 
-/// A bound of the largest eigenvalue of the Hessian. As (n·(u − v))² ≤ 2 (n·u)² + 2 (n·v)², it is twice the largest
-/// eigenvalue of what the contacts of one disk add to its own block. Stresses only lower it.
+/// Returns an upper bound of the eigenvalues of the Hessian. As (n·(u − v))² ≤ 2 (n·u)² + 2 (n·v)², it is twice the
+/// largest eigenvalue of the blocks that the contacts of one disk add to its own. Stresses only lower it.
 double bound_of_eigenvalues(std::span<Contact const> contacts, Potential potential, std::size_t disks) {
   std::vector<HessianBlock> blocks(disks);
   for (Contact const& contact : contacts) {
@@ -66,7 +66,7 @@ ForceSums SteepestDescent::step(Packing& packing, SoftForces& forces, Potential 
   from_.y = packing.y;
   double const bound = bound_of_eigenvalues(forces.contacts(packing), potential, packing.size());
   while (true) {
-    // s stages are stable for a time of 0.65 (s² − 1) over the eigenvalue.
+    // A method of s stages is stable for steps up to 0.65 (s² − 1) over the largest eigenvalue.
     double const most = (max_stages - 1.0) * (max_stages - 1.0) - 1.0;
     double const wanted = std::min(1.54 * time_ * bound, most);
     if (bound > 0.0) time_ = std::min(time_, most / (1.54 * bound));
@@ -74,7 +74,7 @@ ForceSums SteepestDescent::step(Packing& packing, SoftForces& forces, Potential 
     ForceSums const sums = try_step(packing, forces, stages, velocities, force);
     double const error = find_error(packing, force) / (max_error * diameter_);
     bool const is_good = error <= 1.0;
-    // The error grows as the third power of the time; the fourth root is on the safe side, and the same bits
+    // The error grows with the third power of the time. A fourth root errs on the safe side, with the same bits
     // everywhere.
     time_ *= std::clamp(0.8 / std::sqrt(std::sqrt(std::max(error, 1e-9))), 0.2, is_good ? 3.0 : 0.6);
     if (is_good) {
@@ -86,7 +86,7 @@ ForceSums SteepestDescent::step(Packing& packing, SoftForces& forces, Potential 
   }
 }
 
-/// Goes on by time_ from from_, where the forces are `force`; force_ becomes those at the end.
+/// Moves by time_ from from_, where the forces are `force`; writes the forces at the end to force_.
 ForceSums SteepestDescent::try_step(Packing& packing, SoftForces& forces, int stages, Columns const& velocities,
                                     Columns const& force) {
   std::size_t const disks = packing.size();
@@ -125,7 +125,7 @@ ForceSums SteepestDescent::try_step(Packing& packing, SoftForces& forces, int st
   return forces.evaluate(packing, velocities, force_);
 }
 
-/// The largest displacement of a disk by which a step is wrong.
+/// Returns the largest error of a disk's position in a step.
 double SteepestDescent::find_error(Packing const& packing, Columns const& force) const {
   double square = 0.0;
   for (std::size_t i = 0; i < packing.size(); ++i) {

@@ -8,7 +8,7 @@
 
 namespace gridlock {
 
-/// Calls visit(wall, distance, direction to the wall) for every wall that a point is nearer to than a cutoff.
+/// Calls visit(wall, distance, direction to the wall) for every wall nearer to a point than the cutoff.
 template <class Visit>
 void for_each_wall(Box const& box, Vector p, double cutoff, Visit visit) {
   if (p.x < cutoff) visit(Counters::left, p.x, Vector{-1.0, 0.0});
@@ -17,7 +17,7 @@ void for_each_wall(Box const& box, Vector p, double cutoff, Visit visit) {
   if (box.height() - p.y < cutoff) visit(Counters::top, box.height() - p.y, Vector{0.0, 1.0});
 }
 
-/// The contacts of a disk with walls nearer than `factor` radii.
+/// Adds the contacts of a disk with walls nearer than `factor` radii.
 inline void add_wall_contacts(Packing const& packing, std::uint32_t disk, double factor,
                               std::vector<Contact>& contacts) {
   auto const disks = static_cast<std::uint32_t>(packing.size());

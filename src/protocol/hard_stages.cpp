@@ -13,7 +13,7 @@ namespace gridlock {
 
 namespace {
 
-/// Hard disks that grow; the reduced pressure is that of the last rescaling.
+/// The stage `grow`: hard disks that grow. The reduced pressure is measured since the last rescaling.
 class GrowStage final : public Stage {
  public:
   GrowStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
@@ -50,7 +50,7 @@ void check_grow(StageCheck const& check) {
   check.check_direction(true, "");
 }
 
-/// Hard disks by the engine "exact"; the reduced pressure is that of the whole stage.
+/// The stage `run`: hard disks by the engine `exact`. The reduced pressure is measured over the whole stage.
 class RunStage final : public Stage {
  public:
   RunStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
@@ -78,13 +78,13 @@ class RunStage final : public Stage {
     StageResult result{.packing_fraction = packing_fraction_of(state), .pair_collisions = counters_.pair_collisions};
     double const time = state.clock.time - start_time_;
     double const energy = kinetic_energy(state.agents);
-    // βP/ρ = 1 + Σ r·Δp / (2 t E_kin): two dimensions, N kT = E_kin.
+    // βP/ρ = 1 + Σ r·Δp / (2 t E_kin), because N kT = E_kin in two dimensions.
     if (time > 0.0 && energy > 0.0) result.pressure = 1.0 + counters_.pair_virial / (2.0 * time * energy);
     return result;
   }
 
  private:
-  /// Disks at rest, or one alone, never collide.
+  /// Throws Error for disks at rest or a single disk, which never collide.
   static void require_moving(State const& state) {
     if (state.agents.size() > 1 && kinetic_energy(state.agents) > 0.0) return;
     throw Error({.what = fmt::format("{} disks with kinetic energy {} never collide", state.agents.size(),
@@ -94,7 +94,7 @@ class RunStage final : public Stage {
   }
 
   void end_at_time(double duration) {
-    // The clock has to count steps up to there.
+    // The clock must have digits enough to count steps up to the end.
     double const end = start_time_ + duration;
     double const spacing = std::nextafter(end, std::numeric_limits<double>::infinity()) - end;
     if (!(0.5 * spacing <= 1e-3 * engine_->time_step())) {
@@ -106,7 +106,7 @@ class RunStage final : public Stage {
   }
 
   void end_at_collisions(double collisions_per_disk, std::size_t disks) {
-    // Counts of collisions end before 2⁶⁴.
+    // Collisions are counted in 64 bits.
     constexpr double most = 9e18;
     double const pairs = std::ceil(collisions_per_disk * static_cast<double>(disks) / 2.0);
     if (!(pairs < most)) {
@@ -123,7 +123,7 @@ class RunStage final : public Stage {
   Counters counters_;
 };
 
-/// Swap Monte Carlo of hard disks.
+/// The stage `swap`: swap Monte Carlo of hard disks.
 class SwapStage final : public Stage {
  public:
   SwapStage(ProtocolSettings const& protocol, std::size_t number, State const& state)

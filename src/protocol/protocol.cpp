@@ -14,7 +14,7 @@ namespace gridlock {
 namespace {
 
 void serialize_optional(Archive& archive, std::string_view name, std::optional<double>& value) {
-  // No result is not a number.
+  // In an archive nan stands for a missing result.
   double number = value.value_or(std::numeric_limits<double>::quiet_NaN());
   archive.visit(name, number);
   value = number == number ? std::optional(number) : std::nullopt;
@@ -70,12 +70,12 @@ std::string text_of(Error const& error) {
   return problem.hint.empty() ? problem.what : fmt::format("{}\n  hint: {}", problem.what, problem.hint);
 }
 
-/// "stage 2 of the protocol, "quench","
+/// Returns the subject of an error text, such as: stage 2 of the protocol, "quench",
 std::string stage_text(std::size_t number, std::string_view kind) {
   return fmt::format("stage {} of the protocol, \"{}\",", number + 1, kind);
 }
 
-/// The setting of a stage that an engine or a ramp knows by a key of its own; other keys as they are.
+/// Returns the setting of a stage for the key that an engine or a ramp uses for it; other keys are returned unchanged.
 std::string setting_of_stage(std::string const& key, std::size_t number, StageRecord const& record) {
   std::string const table = std::string(record.table_of_errors) + ".";
   if (!key.starts_with(table)) return key;
@@ -87,7 +87,7 @@ std::string setting_of_stage(std::string const& key, std::size_t number, StageRe
   return key;
 }
 
-/// The error that keeps a stage from beginning, with the stage and its settings.
+/// Returns an error of the start of a stage with the stage and its settings named in it.
 Error located(Error const& error, std::size_t number, StageRecord const& record) {
   std::vector<Problem> problems = error.problems();
   for (Problem& problem : problems) {
@@ -97,8 +97,8 @@ Error located(Error const& error, std::size_t number, StageRecord const& record)
   return Error(std::move(problems));
 }
 
-/// A ramp that begins where it is to end has one minimum, and nothing to extrapolate: the stage before knows where
-/// these disks jam.
+/// Copies the jamming packing fraction from the previous stage, which knows it for the same disks. A ramp that begins
+/// at its end has a single minimum, from which it cannot extrapolate.
 void take_over_jamming_packing_fraction(StageResult const& before, StageResult& result) {
   bool const is_same = result.levels.size() == 1 && result.packing_fraction == before.packing_fraction;
   if (!is_same || before.levels.empty() || result.jamming_packing_fraction) return;
@@ -110,7 +110,7 @@ void take_over_jamming_packing_fraction(StageResult const& before, StageResult& 
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
   require_valid(settings_.stages, packing_fraction_of(start));
-  // To refuse what cannot begin; the stage itself begins with the disks as they are then.
+  // This call only refuses a stage that cannot begin; the stage itself begins later, with the disks as they are then.
   if (settings_.stages.empty()) return;
   StageRecord const& record = stage_record(settings_.stages.front().kind);
   if (record.require_start != nullptr) record.require_start(start);

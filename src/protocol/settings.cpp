@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> potential_names{"harmonic", "hertzian"};
 
-/// Lists the optional settings that are given.
+/// Lists the names of the optional settings that are given.
 class GivenSettings final : public SettingVisitor {
  public:
   std::vector<std::string_view> names;
@@ -71,7 +71,8 @@ void check_settings(StageCheck const& check, StageRecord const& record) {
   if (record.check != nullptr) record.check(check);
 }
 
-/// A word of the registry; what is none of them stays as it is.
+/// Visits a setting whose value is a name in the registry of stages; an unknown name is left for the checks that
+/// follow.
 void visit_stage(SettingVisitor& visitor, std::string& kind) {
   std::vector<std::string_view> kinds;
   std::string documentation =

@@ -20,7 +20,7 @@ MinimizerSettings minimizer_settings(ProtocolSettings const& protocol) {
   return {.potential = protocol.soft.potential, .residual = protocol.soft.residual, .threads = protocol.threads};
 }
 
-/// Adds the results from the contacts at the end of a stage.
+/// Adds the results that follow from the contacts at the end of a stage.
 void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result) {
   result.pressure = network.pressure;
   std::optional<VibrationMode> const mode = find_softest_mode(network);
@@ -31,7 +31,7 @@ void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResul
   if (!network.contacts.empty()) result.mean_overlap = overlaps / static_cast<double>(network.contacts.size());
 }
 
-/// Reports a pressure that soft disks do not reach.
+/// Reports a pressure that soft disks cannot reach.
 void check_soft_pressure(StageCheck const& check) {
   if (check.stage.until_pressure && *check.stage.until_pressure >= 1.0)
     check.report_pressure("the pressure of soft disks is in ε/D²: use a number below 1, such as 1e-6");
@@ -124,7 +124,7 @@ class RampStage final : public Stage {
                  .key = "protocol.until_packing_fraction"});
   }
 
-  /// Whether the first minimum lies beyond the pressure to reach: a decompression does not compress.
+  /// Returns whether the first minimum is already beyond the goal: a decompression cannot compress.
   bool leads_away() const {
     if (!settings_.until_pressure || ramp_.levels().empty()) return false;
     constexpr double tolerance = PressureRamp::max_share_of_goal;
@@ -146,7 +146,7 @@ class RampStage final : public Stage {
   PressureRamp ramp_;
 };
 
-/// A ramp whose levels are more than anybody can keep.
+/// Reports a ramp with more levels than memory can hold.
 void check_levels(StageCheck const& check) {
   StageSettings const& stage = check.stage;
   if (!check.packing_fraction || !stage.until_packing_fraction) return;
@@ -175,7 +175,7 @@ void check_ramp(StageCheck const& check) {
   check_levels(check);
 }
 
-/// A decompression of disks that do not press has nothing to do. Later stages have to take what those before leave.
+/// Throws Error for a first stage `decompress` of disks without contacts. Later stages accept any disks.
 void require_pressing(State const& start) {
   if (!find_contacts(packing_of(start)).empty()) return;
   throw Error({.what = fmt::format("stage 1 of the protocol, \"decompress\", has nothing to decompress: at packing "
@@ -185,7 +185,7 @@ void require_pressing(State const& start) {
                .key = "protocol[0].stage"});
 }
 
-/// The record of a ramp without its name.
+/// Returns the record of a ramp with this name.
 StageRecord ramp_stage(std::string_view name, std::vector<std::string_view> settings) {
   return {.name = name,
           .settings = std::move(settings),
@@ -196,7 +196,7 @@ StageRecord ramp_stage(std::string_view name, std::vector<std::string_view> sett
           .make = make_stage<RampStage>};
 }
 
-/// The factor for all radii with which no two disks, and no disk and wall, overlap.
+/// Returns the factor of all radii with which no two disks, and no disk and wall, overlap.
 double separating_factor(Packing const& packing) {
   double factor = 1.0;
   for (Contact const& contact : find_contacts(packing)) {
@@ -265,7 +265,7 @@ void write_packing(Packing const& packing, State& state) {
     Vector p{packing.x[i], packing.y[i]};
     int crossed_x = 0;
     int crossed_y = 0;
-    // One side at a time; a minimization moves no disk farther than a few.
+    // Coordinates are wrapped by one side at a time; a minimization moves disks by few sides at most.
     for (int before_x = -1, before_y = -1; before_x != crossed_x || before_y != crossed_y;) {
       before_x = crossed_x;
       before_y = crossed_y;

@@ -18,7 +18,7 @@ StageRecord decompress_stage();
 StageRecord separate_stage();
 StageRecord swap_stage();
 
-/// Adding a stage means one line here, one above, and a file behind them.
+/// All kinds of stages. A new kind takes one line here, one above, and a file of its own.
 std::span<StageRecord const> stage_records() {
   static std::array const records{grow_stage(),       run_stage(),      quench_stage(), compress_stage(),
                                   decompress_stage(), separate_stage(), swap_stage()};
