@@ -15,8 +15,8 @@ namespace gridlock {
 
 /// The agents of a world of any model at one time, read only: their Ids, and their columns by tag.
 ///
-/// A column is there where the model has one of that name and type. Valid as long as no agent is born, dies or moves to
-/// another row. Cost: O(columns) to make, and to look up a column; ask for a column once, outside of loops.
+/// A view is valid as long as no agent is born, dies or moves to another row. Cost: O(columns) to make a view, and to
+/// look up a column; look up a column once, outside of loops.
 ///
 /// ```cpp
 /// #include "gridlock/core/disks.hpp"
@@ -34,7 +34,8 @@ class AgentsView {
 
   template <class... Columns>
   AgentsView(
-      Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): what takes a view takes agents
+      Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): a function that takes a view also
+                                             // takes agents
       : ids_(agents.ids()), columns_{{Columns::name, agents.template column<Columns>()}...} {}
   /// Makes a view of agents whose columns are known at run time only. Contract: one value for each Id in every column.
   AgentsView(std::span<Id const> ids, std::vector<std::pair<std::string_view, Values>> columns)
@@ -52,7 +53,7 @@ class AgentsView {
     for (auto const& column : columns_) names.push_back(column.first);
     return names;
   }
-  /// Whether there is a column of that name.
+  /// Returns whether the agents have a column named `name`.
   [[nodiscard]] bool has(std::string_view name) const {
     for (auto const& column : columns_) {
       if (column.first == name) return true;
@@ -64,7 +65,7 @@ class AgentsView {
     return find<Column>() != nullptr;
   }
 
-  /// One value for each agent. Contract: there is such a column (asserted).
+  /// Returns the values of a column, one for each agent. Contract: the agents have the column (asserted).
   template <class Column>
   [[nodiscard]] std::span<typename Column::type const> column() const {
     auto const* const values = find<Column>();
@@ -85,13 +86,14 @@ class AgentsView {
   std::vector<std::pair<std::string_view, Values>> columns_;
 };
 
-/// A column to be written, by name.
+/// A column whose values may be changed, with its name.
 struct NamedColumn {
   std::string_view name;
   std::variant<std::span<double>, std::span<std::int32_t>, std::span<std::uint32_t>, std::span<std::uint64_t>> values;
 };
 
-/// All columns of a population, in the order they are declared; valid as long as an AgentsView is.
+/// Returns all columns of a population, in the order they are declared. They are valid as long as no agent is born,
+/// dies or moves to another row.
 template <class... Columns>
 std::vector<NamedColumn> columns_of(Population<Columns...>& agents) {
   return {{Columns::name, agents.template column<Columns>()}...};

@@ -9,12 +9,12 @@
 
 namespace gridlock {
 
-/// Serializes by name everything that must outlive the process, out of an object or back into it.
+/// Writes the members of an object to a checkpoint, or reads them back into the object, each under a name.
 ///
-/// An object names its members once, in `void serialize(Archive&)` or `void serialize(Archive&, Thing&)`, and that one
-/// function serves both directions, so that what is saved and what is restored cannot drift apart. Errors while
-/// restoring: Error for a name that is missing or of another type; a serialize() that restores checks what its members
-/// must satisfy together (lengths that agree, numbers in range) and throws Error too, since a file can hold anything.
+/// A class lists its members once, in `void serialize(Archive&)` or `void serialize(Archive&, Thing&)`. That one
+/// function both saves and restores, so that the two directions always agree. Errors while restoring: Error for a name
+/// that is missing or whose value has another type. A file can hold any values: a serialize() that restores also checks
+/// its members together (equal lengths, numbers in range) and throws Error.
 ///
 /// ```cpp
 /// struct Sum {
@@ -33,14 +33,14 @@ class Archive {
   Archive& operator=(Archive const&) = delete;
   virtual ~Archive() = default;
 
-  /// Whether values come out of the archive into the object.
+  /// Returns true if the archive writes values into the object, false if it reads them from the object.
   [[nodiscard]] virtual bool is_restoring() const = 0;
 
-  /// All members visited until the matching leave() are inside `name`.
+  /// Opens the group `name`: all members visited until the matching leave() belong to it.
   virtual void enter(std::string_view name) = 0;
   virtual void leave() = 0;
 
-  /// Every bit of a number survives, also of −0, infinities and NaN.
+  /// Saves or restores one member with every bit of its numbers, also −0, infinities and NaN.
   virtual void visit(std::string_view name, bool& value) = 0;
   virtual void visit(std::string_view name, double& value) = 0;
   virtual void visit(std::string_view name, std::uint64_t& value) = 0;
@@ -50,18 +50,18 @@ class Archive {
   virtual void visit(std::string_view name, std::vector<std::uint32_t>& values) = 0;
   virtual void visit(std::string_view name, std::vector<std::uint64_t>& values) = 0;
 
-  /// A value for each row of the agents, now or when they were noted down, or no values. Where processes divide the
-  /// rows, each has those of its own rows, and an archive may put them together.
+  /// Saves or restores one value for each row of the agents, or an empty array. Where several processes share the
+  /// agents, each has the values of its own rows, and the archive may put the rows of all processes together.
   virtual void visit_rows(std::string_view name, std::vector<double>& values) { visit(name, values); }
   virtual void visit_rows(std::string_view name, std::vector<std::int32_t>& values) { visit(name, values); }
   virtual void visit_rows(std::string_view name, std::vector<std::uint32_t>& values) { visit(name, values); }
   virtual void visit_rows(std::string_view name, std::vector<std::uint64_t>& values) { visit(name, values); }
 
-  /// Throws Error where what was restored cannot be: `what` says what is wrong with it.
+  /// Throws Error with the text `what` unless `holds`: for restored values that cannot be right.
   void require(bool holds, char const* what) const;
 };
 
-/// Serializes what `serialize_members` visits inside `name`.
+/// Calls serialize_members() inside the group `name`.
 template <class SerializeMembers>
 void serialize_inside(Archive& archive, std::string_view name, SerializeMembers serialize_members) {
   archive.enter(name);
@@ -69,7 +69,7 @@ void serialize_inside(Archive& archive, std::string_view name, SerializeMembers 
   archive.leave();
 }
 
-/// Serializes a whole number of any type as one of 64 bits.
+/// Serializes an unsigned integer of any width as an integer of 64 bits.
 template <std::unsigned_integral Number>
 void serialize_number(Archive& archive, std::string_view name, Number& number) {
   std::uint64_t wide = number;

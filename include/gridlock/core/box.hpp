@@ -16,16 +16,17 @@
 
 namespace gridlock {
 
-/// A disk meets walls at the border of the box, or the border is periodic.
+/// The kind of border that a box has: hard walls, or periodic edges.
 enum class Edge { wall, periodic };
 
-/// The rectangle [0, width] × [0, height] all agents live in, with hard walls or periodic edges on all four sides.
+/// The rectangle [0, width] × [0, height] that contains all agents, with hard walls or periodic edges on all four
+/// sides.
 ///
-/// A point outside a periodic box is one of the images of a point inside, however many boxes away it is. Between walls
-/// a point outside is just that.
+/// In a periodic box a point outside is an image of a point inside, at any distance. In a box with walls it is no
+/// image.
 ///
-/// In a periodic box every displacement is the minimum image, which is the right one only while the distances asked
-/// for stay below half the shorter side; engines refuse boxes too small for their cutoff.
+/// In a periodic box every displacement goes to the nearest image. Searches for neighbours need distances below half
+/// the shorter side; engines refuse boxes that are too small for their cutoff.
 /// Errors: a side that is not finite and positive throws Error.
 class Box {
  public:
@@ -35,13 +36,14 @@ class Box {
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
   [[nodiscard]] double area() const { return width_ * height_; }
-  /// √area: the side of the square box, and the length displacements are quoted in for rectangular ones.
+  /// Returns √area: the side of a square box, and the unit of length in which displacements are quoted for a
+  /// rectangular box.
   [[nodiscard]] double side() const;
   [[nodiscard]] Edge edge() const { return edge_; }
   [[nodiscard]] bool is_periodic() const { return edge_ == Edge::periodic; }
 
-  /// The vector from `from` to `to`: b − a, and its minimum image in a periodic box, for any finite points.
-  /// Antisymmetric to the last bit, so that two disks always agree whether they overlap.
+  /// Returns the vector from `from` to `to`, in a periodic box to the nearest image, for any finite points. It is
+  /// antisymmetric to the last bit, so that it does not matter in which order two disks are tested for overlap.
   [[nodiscard]] Vector displacement(Vector from, Vector to) const {
     Vector const d = displacement_inside(from, to);
     if (is_periodic() && !(std::abs(d.x) <= half_width_ && std::abs(d.y) <= half_height_)) [[unlikely]] {
@@ -50,7 +52,7 @@ class Box {
     return d;
   }
 
-  /// The same bits with less work for two points inside the box, as the disks of the engines are.
+  /// Returns the same bits as displacement() with less work, for two points inside the box.
   [[nodiscard]] Vector displacement_inside(Vector from, Vector to) const {
     Vector d = to - from;
     if (is_periodic()) {
@@ -60,8 +62,8 @@ class Box {
     return d;
   }
 
-  /// Puts a point that left a periodic box by less than one side back into [0, width) × [0, height); counts the
-  /// edges crossed in `crossed_x`, `crossed_y` (+1 for the right or top edge). A walled box leaves it untouched.
+  /// Moves a point that is less than one side outside a periodic box back into [0, width) × [0, height), and counts the
+  /// edges crossed in `crossed_x` and `crossed_y` (+1 for the right or top edge). In a box with walls nothing changes.
   [[nodiscard]] Vector wrap(Vector p, int& crossed_x, int& crossed_y) const {
     if (is_periodic()) {
       p.x = into_range(p.x, width_, crossed_x);
@@ -86,7 +88,7 @@ class Box {
     } else if (p < 0.0) {
       p += side;
       --crossed;
-      // −ε + side rounds to side itself, which belongs to the next image: land on its lower edge instead.
+      // −ε + side can round to side, which is outside [0, side): the point goes to 0 of the next image instead.
       if (p >= side) {
         p = 0.0;
         ++crossed;
@@ -102,8 +104,7 @@ class Box {
   Edge edge_ = Edge::wall;
 };
 
-/// The image of a coordinate in [0, side), for a finite coordinate however far outside; exact but for one rounding to
-/// the precision of the side.
+/// Returns the image in [0, side) of any finite coordinate; exact but for one rounding to the precision of the side.
 double image_inside(double p, double side);
 
 }  // namespace gridlock

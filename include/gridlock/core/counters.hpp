@@ -16,18 +16,18 @@
 
 namespace gridlock {
 
-/// Events counted from the start of the run; the caller keeps them and every advance() adds to them, so the sums
-/// do not depend on how a run is cut into chunks.
+/// Events counted from the start of the run. Every advance() adds to the counters of its caller, so that the sums do
+/// not depend on how many calls of advance() make up the run.
 struct Counters {
   enum Wall : std::size_t { left, right, bottom, top };
 
   std::uint64_t moves = 0;            ///< moves tried (stepped) or disk events handled (exact)
   std::uint64_t halted_moves = 0;     ///< moves that ended at a wall or at another disk
   std::uint64_t pair_collisions = 0;  ///< pairs that collided
-  /// Candidate distances measured; how many that takes is a property of the grid, not of the physics.
+  /// Pairs of disks whose distance was measured; their number depends on the grid, not on the physics.
   std::uint64_t distance_checks = 0;
   std::array<std::uint64_t, 4> wall_hits{};
-  std::array<double, 4> wall_impulse{};  ///< Σ |Δp| given to each wall
+  std::array<double, 4> wall_impulse{};  ///< Σ |Δp| that disks gave to each wall
   /// Σ over pairs that collided of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
   double pair_virial = 0.0;
 
@@ -36,7 +36,7 @@ struct Counters {
   }
 };
 
-/// Adds every count and sum.
+/// Adds every count and sum of `part` to `sum`.
 void add(Counters& sum, Counters const& part);
 /// Serializes every count and sum.
 void serialize(Archive& archive, Counters& counters);

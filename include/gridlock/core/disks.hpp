@@ -45,18 +45,20 @@ struct Mass {
   using type = double;
   static constexpr char const* name = "mass";
 };
-/// How often the disk left the periodic box through the right edge, minus the left; always 0 between walls.
+/// Times that the disk left the periodic box through the right edge minus those through the left; 0 in a box with
+/// walls.
 struct ImageX {
   using type = std::int32_t;
   static constexpr char const* name = "image_x";
 };
-/// The same for the top and the bottom edge.
+/// Times that the disk left the periodic box through the top edge minus those through the bottom; 0 in a box with
+/// walls.
 struct ImageY {
   using type = std::int32_t;
   static constexpr char const* name = "image_y";
 };
 
-/// Hard disks: centre, velocity, radius, mass, and the periodic image the centre has travelled to.
+/// Hard disks: centre, velocity, radius, mass, and the periodic image to which the centre has moved.
 using Disks = Population<X, Y, VelocityX, VelocityY, Radius, Mass, ImageX, ImageY>;
 
 inline Vector position(Disks const& disks, std::size_t i) { return {disks.column<X>()[i], disks.column<Y>()[i]}; }
@@ -71,19 +73,20 @@ struct RadiusRange {
 };
 RadiusRange radius_range(Disks const& disks);
 
-/// The distance at contact of the two largest disks; of one disk its radius, 0 for none.
+/// Returns the sum of the two largest radii: the largest distance at which disks touch. One disk: its radius; no disks:
+/// 0.
 double largest_contact_distance(std::span<double const> radii);
 
-/// The fastest disk's speed; 0 for no disks.
+/// Returns the largest speed of a disk; 0 for no disks.
 double largest_speed(Disks const& disks);
 
-/// ½ Σ m v², in (mass unit)·(length unit / time unit)². Contract: the agents have a mass and a velocity.
+/// Returns ½ Σ m v², in (mass unit)·(length unit / time unit)². Contract: the agents have a mass and a velocity.
 double kinetic_energy(AgentsView const& agents);
 
-/// Σ m v. Contract: the agents have a mass and a velocity.
+/// Returns Σ m v. Contract: the agents have a mass and a velocity.
 Vector momentum(AgentsView const& agents);
 
-/// Σ π R², the area the agents cover. Contract: they have a radius.
+/// Returns Σ π R², the area that the agents cover. Contract: the agents have a radius.
 double covered_area(AgentsView const& agents);
 
 /// Hard disks, the model of the disk engines.
@@ -91,8 +94,7 @@ struct HardDisks {
   using Agents = Disks;
 };
 
-/// All of the physics of hard disks and nothing else: two equal states have equal futures under the same engine
-/// settings.
+/// The complete physical state of hard disks: two equal states stay equal under the same engine settings.
 ///
 /// ```cpp
 /// State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 7};
@@ -101,7 +103,7 @@ struct HardDisks {
 /// ```
 using State = World<HardDisks>;
 
-/// covered_area() over the area of the box.
+/// Returns covered_area() over the area of the box.
 inline double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
 
 }  // namespace gridlock

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// The two errors that the library throws: Error for input, RunFailure for a run that broke.
+/// \file The two errors that the library throws: Error for wrong input, RunFailure for a run that cannot continue.
 ///
 /// ```cpp
 /// try {
@@ -17,21 +16,22 @@
 
 namespace gridlock {
 
-/// One thing that is wrong, in the words shown to the user.
+/// One mistake in the input, as it is shown to the user.
 struct Problem {
-  std::string what;         ///< what is wrong, with the numbers
-  std::string hint;         ///< what to do about it; may be empty
-  std::string key;          ///< the setting to blame, dotted ("disks.packing_fraction"); may be empty
-  std::string file;         ///< where it is; empty when it comes from no file
+  std::string what;         ///< the mistake, with the numbers
+  std::string hint;         ///< advice on how to correct the mistake; may be empty
+  std::string key;          ///< the wrong setting with its table, "disks.packing_fraction"; may be empty
+  std::string file;         ///< the file with the mistake; empty for input from no file
   int line = 0;             ///< from 1; 0 when unknown
   int column = 0;           ///< from 1; 0 when unknown
-  std::string source_line;  ///< the text of that line
+  std::string source_line;  ///< the text of the line with the mistake
 };
 
-/// The text of a problem as the user reads it: `what`, then `--> file:line:column   source` and `hint:` where known.
+/// Returns the text for the user: `what`, then `--> file:line:column   source` and `hint:` where they are known.
 std::string to_text(Problem const& problem);
 
-/// The user's input cannot be used; carries every problem found, not only the first. Exit code 2 of the command line.
+/// The error for input that cannot be used. It lists every problem found, not only the first. The command line then
+/// ends with exit code 2.
 class Error : public std::runtime_error {
  public:
   explicit Error(Problem problem);
@@ -44,7 +44,8 @@ class Error : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-/// A run that started well could not continue (the physics broke an invariant, the disk is full). Exit code 1.
+/// The error for a run that started and cannot continue (the physics broke an invariant, the disk is full). The command
+/// line then ends with exit code 1.
 class RunFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

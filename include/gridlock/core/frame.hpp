@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// All agents and all columns at one step, as they are written to files and read back.
+/// \file A frame: all agents with all columns at one step, as files store them.
 ///
 /// ```cpp
 /// #include "gridlock/core/disks.hpp"
@@ -37,10 +36,10 @@ struct FrameColumn {
   friend bool operator==(FrameColumn const&, FrameColumn const&) = default;
 };
 
-/// A population of any kind at one time, its columns known by name: what is written, drawn and exported.
+/// The agents of any model at one time with named columns, for writing, drawing and export.
 ///
-/// Rows are in the order of the Ids, so that two frames of the same agents are the same whatever the order of the rows
-/// in memory was.
+/// Rows are in the order of the Ids: frames of equal agents are equal, even if the agents were in another order in
+/// memory.
 struct Frame {
   Box box;
   Clock clock;
@@ -49,7 +48,7 @@ struct Frame {
   std::vector<FrameColumn> columns;
 
   [[nodiscard]] std::size_t size() const { return ids.size(); }
-  /// The column of that name, or nothing.
+  /// Returns the column named `name`, or nullptr.
   [[nodiscard]] FrameColumn const* find(std::string_view name) const;
 
   friend bool operator==(Frame const&, Frame const&) = default;
@@ -58,18 +57,18 @@ struct Frame {
 /// The contacts between agents at one time, with their forces.
 struct FrameContacts {
   Clock clock;
-  std::vector<Id> ids;         ///< two for each contact
-  std::vector<double> forces;  ///< of each contact
+  std::vector<Id> ids;         ///< of the agents in contact: two for each contact
+  std::vector<double> forces;  ///< one for each contact
 
   [[nodiscard]] std::size_t size() const { return forces.size(); }
 
   friend bool operator==(FrameContacts const&, FrameContacts const&) = default;
 };
 
-/// Agents as a frame, every column of them. Cost: a sort of the Ids unless they are in order, and a copy.
+/// Copies agents with all columns to a frame. Cost: one copy, and a sort of the Ids unless they are in order.
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentsView const& agents);
 
-/// A world as a frame.
+/// Copies the agents of a world with all columns to a frame.
 template <class Model>
 Frame frame_of(World<Model> const& world) {
   return frame_of(world.box, world.clock, world.seed, world.agents);

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// A frame that is handed out in pieces, so that nobody has to hold the whole.
+/// \file A frame that is read in pieces, so that it need not fit into memory.
 ///
 /// ```cpp
 /// auto const largest_x = [](FrameSource const& frame) {
@@ -31,9 +30,10 @@
 
 namespace gridlock {
 
-/// A population of any kind at one time, as a Frame is, whose rows are handed out in pieces, any of them in any order.
+/// The agents of any model at one time, like a Frame, but read in ranges of rows, any rows in any order.
 ///
-/// Rows are in the order of the Ids. Where they come from may be other processes: ask for long pieces, from one thread.
+/// Rows are in the order of the Ids. A call may fetch rows from other processes: read long ranges, from one thread
+/// only.
 class FrameSource {
  public:
   FrameSource(FrameSource const&) = delete;
@@ -43,25 +43,23 @@ class FrameSource {
   [[nodiscard]] Box const& box() const { return head_.box; }
   [[nodiscard]] Clock const& clock() const { return head_.clock; }
   [[nodiscard]] std::uint64_t seed() const { return head_.seed; }
-  /// The agents.
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The names of the columns, and their types: FrameColumn::values has the type of the column and is empty.
+  /// Returns the names and types of the columns: FrameColumn::values is empty and has the type of the column.
   [[nodiscard]] std::vector<FrameColumn> const& columns() const { return head_.columns; }
-  /// The place of a column among them, or nothing.
+  /// Returns the index in columns() of the column named `name`, or nothing.
   [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
 
-  /// The Ids of rows first … first + count − 1. Requires that there are such rows.
+  /// Returns the Ids of rows first … first + count − 1. Contract: these rows exist.
   [[nodiscard]] virtual std::vector<Id> ids(std::size_t first, std::size_t count) const = 0;
-  /// The values of these rows in a column. Requires that there is such a column.
+  /// Returns the values of rows first … first + count − 1 in a column. Contract: the rows and the column exist.
   [[nodiscard]] virtual FrameValues values(std::size_t column, std::size_t first, std::size_t count) const = 0;
 
-  /// These rows with all columns.
+  /// Returns rows first … first + count − 1 with all columns.
   [[nodiscard]] Frame piece(std::size_t first, std::size_t count) const;
-  /// All rows.
   [[nodiscard]] Frame whole() const { return piece(0, size()); }
 
  protected:
-  /// Makes the source of so many agents from a frame without rows that has the box, clock, seed and columns.
+  /// Makes a source of `size` agents; `head` is a frame without rows that has the box, clock, seed and columns.
   FrameSource(Frame head, std::size_t size) : head_(std::move(head)), size_(size) {}
 
  private:
@@ -69,24 +67,24 @@ class FrameSource {
   std::size_t size_;
 };
 
-/// Agents in memory. Valid as long as the view is. Cost: a sort of the Ids unless they are in order; no copy.
+/// Makes a source of agents in memory, valid as long as `agents` is. Cost: a sort of the Ids unless they are in order.
 std::unique_ptr<FrameSource> frame_source_of(Box const& box, Clock const& clock, std::uint64_t seed,
                                              AgentsView const& agents);
-/// A world, as long as no agent of it is born, dies or moves to another row.
+/// Makes a source of the agents of a world, valid as long as no agent is born, dies or moves to another row.
 template <class Model>
 std::unique_ptr<FrameSource> frame_source_of(World<Model> const& world) {
   return frame_source_of(world.box, world.clock, world.seed, world.agents);
 }
-/// A frame that must outlive its source.
+/// Makes a source of the rows of a frame. Contract: the frame outlives the source.
 std::unique_ptr<FrameSource> frame_source_of(Frame const& frame);
 
-/// The use that somebody makes of a frame.
+/// A function that reads a frame, for example to write it to a file.
 using UseFrame = std::function<void(FrameSource const&)>;
 
-/// The same with these columns only, by their places, in this order. The frame must outlive it.
+/// Makes a source of some columns of a frame, in the order of the indices `columns`. Contract: the frame outlives it.
 std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::vector<std::size_t> columns);
 
-/// Calls visit(first, count) for pieces of at most so many rows that make up all, one after the other.
+/// Calls visit(first, count) for consecutive ranges of at most max_rows rows, which together are all rows.
 template <class Visit>
 void for_each_piece(std::size_t rows, std::size_t max_rows, Visit visit) {
   for (std::size_t first = 0; first < rows; first += max_rows) visit(first, std::min(max_rows, rows - first));

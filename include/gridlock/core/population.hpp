@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Agents in columns, with Ids that keep their meaning while rows move.
+/// \file Agents in columns. An Id names the same agent for its whole life, while its row may change.
 ///
 /// ```cpp
 /// struct Age {
@@ -35,18 +34,18 @@
 
 namespace gridlock {
 
-/// The name of an agent for as long as the run lasts; never given to another agent, even after its death.
+/// The number of an agent for its whole life; no other agent of the run gets the same number, even after its death.
 ///
-/// The low 32 bits are a slot, the high 32 bits how often that slot was used before: the first N agents of a
-/// population are 0 … N−1, and the slot of a dead agent returns under a new name, so memory stays flat under any
-/// number of births and deaths.
+/// The low 32 bits are the number of a slot. The high 32 bits count the earlier agents in this slot. The first N agents
+/// have the Ids 0 … N−1. A newborn reuses the slot of a dead agent, so that memory does not grow with the number of
+/// births.
 using Id = std::uint64_t;
 
 /// A structure of arrays: one contiguous column per property, one row per living agent.
 ///
 /// A column is declared as a tag `struct Radius { using type = double; static constexpr char const* name = "radius";
-/// };` and read as `population.column<Radius>()[index]`. Rows have no lasting place: remove() moves the last row into
-/// the gap, so keep an Id, not an index, across births and deaths.
+/// };` and read as `population.column<Radius>()[index]`. remove() moves the last row into the gap: to find an agent
+/// after births and deaths, keep its Id, not its row.
 /// Cost: add and remove O(1), no allocation per agent. Contract: an Id passed in is alive (asserted).
 template <class... Columns>
 class Population {
@@ -56,11 +55,10 @@ class Population {
   using Values = std::tuple<typename Columns::type...>;  ///< one value per column, in the order they are declared
   using AllValues = ColumnSet<Columns...>;
 
-  /// Whether there is such a column.
   template <class Column>
   static constexpr bool has = (std::is_same_v<Column, Columns> || ...);
 
-  /// The place of a column in Values.
+  /// The index of a column in Values.
   template <class Column>
   static constexpr std::size_t place_of = [] {
     std::size_t place = 0;
@@ -81,15 +79,13 @@ class Population {
     return rows_.template values<Column>();
   }
 
-  /// All columns at once.
   [[nodiscard]] AllValues const& values() const { return rows_; }
 
-  /// The Id of each row.
   [[nodiscard]] std::span<Id const> ids() const { return ids_; }
 
   [[nodiscard]] bool contains(Id id) const { return index_of(id) != not_found; }
 
-  /// The row of a living agent, or `not_found`.
+  /// Returns the row of a living agent, or `not_found`.
   [[nodiscard]] std::size_t index_of(Id id) const {
     std::size_t const slot = slot_of(id);
     if (slot >= slots_.size()) return not_found;
@@ -97,7 +93,7 @@ class Population {
     return s.is_alive() && s.generation == generation_of(id) ? s.index : not_found;
   }
 
-  /// Adds an agent with one value per column, in the order the columns are declared.
+  /// Adds an agent with one value per column, in the order the columns are declared, and returns its Id.
   Id add(typename Columns::type... values) {
     std::uint32_t const slot = take_free_slot();
     Id const id = (Id{slots_[slot].generation} << 32) | slot;
@@ -105,9 +101,9 @@ class Population {
     return id;
   }
 
-  /// Adds an agent under a given Id, as a reader of files does. Returns false, and adds nothing, where that name or
-  /// another generation of its slot is alive already, or where it is the name of a dead agent of this population.
-  /// Cost: O(1), and memory for every slot up to the one named: bound the Ids of an untrusted file first.
+  /// Adds an agent under a given Id, for example one from a file. Returns false, and adds nothing, if a living agent
+  /// has this Id or its slot, or if a dead agent of this population had the Id. Cost: O(1), and memory for every slot
+  /// up to that of the Id: check the Ids of an untrusted file for a bound first.
   [[nodiscard]] bool add_as(Id id, typename Columns::type... values) {
     std::size_t const slot = slot_of(id);
     while (slots_.size() <= slot) {
@@ -115,13 +111,14 @@ class Population {
       slots_.emplace_back();
     }
     if (slots_[slot].is_alive() || generation_of(id) < slots_[slot].generation) return false;
-    // The slot stays in free_slots_, where finding it would cost O(N): take_free_slot() drops it when it gets there.
+    // The slot stays in free_slots_, since a search for it would cost O(N); take_free_slot() skips slots of living
+    // agents.
     slots_[slot].generation = generation_of(id);
     append(static_cast<std::uint32_t>(slot), id, values...);
     return true;
   }
 
-  /// Removes a living agent; the last row takes its place.
+  /// Removes a living agent and moves the last row into its row.
   void remove(Id id) {
     std::size_t const index = index_of(id);
     assert(index != not_found);
@@ -137,8 +134,8 @@ class Population {
     free_slots_.push_back(static_cast<std::uint32_t>(slot_of(id)));
   }
 
-  /// Asks for the memory that remove() will need, so that the deaths of many agents do not wait for one another: first
-  /// what says where the agent is, and when that has had time to come, its row. For Ids of the living.
+  /// Prefetches the memory that remove(id) needs, so that many removals do not wait for memory one after the other:
+  /// prefetch() the slot and, some time later, prefetch_row() the row. Contract: the agent is alive.
   void prefetch(Id id) const { gridlock::prefetch(&slots_[slot_of(id)]); }
   void prefetch_row(Id id) const {
     std::size_t const row = slots_[slot_of(id)].index;
@@ -146,38 +143,40 @@ class Population {
     (gridlock::prefetch(rows_.template values<Columns>().data() + row), ...);
   }
 
-  /// Gives every agent the values of its row in `rows`, and leaves the old ones there. Cost: O(1).
-  /// Contract: as many rows (asserted).
+  /// Swaps the values of all agents with `rows`. Cost: O(1).
+  /// Contract: `rows` has one row for each agent (asserted).
   void exchange(AllValues& rows) {
     assert(rows.size() == size());
     std::swap(rows_, rows);
   }
 
-  /// The same agents in another order: row k is that of agent ids[k] with the values rows[k]; the old order is left in
-  /// `ids` and `rows`. No Id is found again before find_again() has been told of every row. Cost: O(1).
-  /// Contract: `ids` are those of this population (not checked).
+  /// Puts the agents into another order: row k becomes that of agent ids[k] with the values rows[k]. Returns the old
+  /// rows in `ids` and `rows`. index_of() works again only after find_again() was called for every row. Cost: O(1).
+  /// Contract: `ids` are the Ids of this population (not checked).
   void reorder(LargeArray<Id>& ids, AllValues& rows) {
     assert(rows.size() == size() && ids.size() == size());
     std::swap(ids_, ids);
     std::swap(rows_, rows);
   }
-  /// After reorder(): lets the Ids of rows first … end − 1 be found. Threads may share the rows out among them.
+  /// After reorder(): makes index_of() find the agents of rows first … end − 1. Several threads may each do some of the
+  /// rows.
   void find_again(std::size_t first, std::size_t end) {
     for (std::size_t row = first; row < end; ++row) {
       slots_[slot_of(ids_[row])].index = static_cast<std::uint32_t>(row);
     }
   }
 
-  /// Frees the memory of all values. Nothing but the Ids may be asked for until give_values().
+  /// Frees the memory of all values. Until give_values(), only the Ids may be read.
   void forget_values() { rows_ = AllValues(); }
-  /// Contract: one value in each column for each row (asserted).
+  /// Sets the values of all agents. Contract: one value in each column for each row (asserted).
   void give_values(AllValues&& rows) {
     assert(rows.size() == size());
     rows_ = std::move(rows);
   }
 
-  /// Becomes agents with these Ids and values, and leaves its own there. No Id is found: for a part of a population, of
-  /// which another one knows the names. Contract: one value in each column for each Id (asserted).
+  /// Swaps the Ids and values of all agents with `ids` and `rows`, and makes this population a part: the agents of one
+  /// process out of several that share a population. index_of() does not work in a part. Contract: one value in each
+  /// column for each Id (asserted).
   void become(LargeArray<Id>& ids, AllValues& rows) {
     assert(rows.size() == ids.size());
     slots_.clear();
@@ -186,11 +185,10 @@ class Population {
     std::swap(ids_, ids);
     std::swap(rows_, rows);
   }
-  /// For a part: the names that the next newborn of the whole population get, where this process is the one to know.
+  /// For a part, in the process that gives out the Ids: the Ids of the next newborns of the whole population.
   [[nodiscard]] FreeNames& names_of_all() { return names_of_all_; }
 
-  /// For a part: this row, or one more behind the last, becomes that of an agent with this Id and the values of row
-  /// `from`.
+  /// For a part: writes `id` and the values of row `from` to a row; row = size() appends one.
   void put_into_part(std::size_t row, Id id, AllValues const& values, std::size_t from) {
     if (row >= size()) {
       ids_.resize(row + 1);
@@ -200,8 +198,8 @@ class Population {
     rows_.copy(row, values, from);
   }
 
-  /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get
-  /// the same Ids. A part, see become(), stays one. Errors: Error where what is restored is no population.
+  /// Serializes agents, the order of their rows, and the unused Ids, so that agents born later get the same Ids. A
+  /// part, see become(), stays a part. Errors: Error if the restored values are no valid population.
   void serialize(Archive& archive) {
     serialize(archive, "id", ids_);
     (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
@@ -216,11 +214,11 @@ class Population {
     if (archive.is_restoring()) restore_slots(archive, names);
   }
 
-  /// The names of those who are born next. Cost: a pass over the free ones.
+  /// Returns the Ids that the next newborns get. Cost: one pass over the free slots.
   [[nodiscard]] FreeNames free_names() const {
     std::vector<Id> free;
     std::vector<bool> is_listed(slots_.size(), false);
-    // A slot may stand there twice, see add_as(): the last one counts.
+    // A slot may be listed twice, see add_as(): only its last entry counts.
     for (auto slot = free_slots_.rbegin(); slot != free_slots_.rend(); ++slot) {
       if (slots_[*slot].is_alive() || is_listed[*slot]) continue;
       is_listed[*slot] = true;
@@ -230,8 +228,8 @@ class Population {
     return {slots_.size(), std::move(free)};
   }
 
-  /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever
-  /// has pointers into it keeps what it held. Cost: a copy.
+  /// Copies all rows and Ids to new memory, one column behind the other, and returns the old memory: pointers into the
+  /// old memory stay valid as long as the returned owner. Cost: one copy.
   [[nodiscard]] std::shared_ptr<void> release() {
     auto const room_for = [&](std::size_t width) { return SideBySide::room_for(size() * width); };
     SideBySide const scope((room_for(sizeof(Id)) + ... + room_for(sizeof(typename Columns::type))));
@@ -247,15 +245,16 @@ class Population {
   }
 
  private:
-  /// Eight to a cache line: what says where an agent is lies at a random place for every birth and death.
+  /// The row of an agent, 8 bytes: every birth and death reads a slot at a random address, so that small slots are
+  /// faster.
   struct Slot {
     static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-    std::uint32_t index = nobody;  ///< of its row; nobody's while the slot is free
+    std::uint32_t index = nobody;  ///< the row of the agent; `nobody` while the slot is free
     std::uint32_t generation = 0;
     [[nodiscard]] bool is_alive() const { return index != nobody; }
   };
 
-  /// Beyond 64 for each agent, in what is restored: each takes memory.
+  /// A bound on the slots of a restored population, besides 64 for each Id, since each takes memory.
   static constexpr std::size_t max_unused_names = std::size_t{1} << 22;
 
   static std::size_t slot_of(Id id) { return static_cast<std::size_t>(id & 0xFFFFFFFFU); }
@@ -286,7 +285,7 @@ class Population {
 
   void restore_slots(Archive& archive, FreeNames const& names) {
     std::uint64_t slots = names.slots();
-    // In a population that was serialized in parts only the living may have a name.
+    // A population that was serialized in parts may list fewer slots than the Ids of its living agents need.
     for (Id const id : ids_) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
     for (Id const id : names.free()) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
     archive.require(slots <= 64 * (ids_.size() + names.free().size()) + max_unused_names,
@@ -311,7 +310,7 @@ class Population {
   LargeArray<Slot> slots_;
   std::vector<std::uint32_t> free_slots_;
   bool is_part_ = false;
-  FreeNames names_of_all_;  ///< of a part
+  FreeNames names_of_all_;  ///< used in a part only
 };
 
 }  // namespace gridlock

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// How a struct describes its settings: key, unit, bounds and documentation of each.
+/// \file A struct describes its settings: the key, unit, bounds and documentation of each.
 ///
 /// ```cpp
 /// struct Gas {
@@ -25,29 +24,28 @@
 
 namespace gridlock {
 
-/// Everything a reader of the documentation wants to know of one setting.
+/// The description of one setting for the documentation.
 struct SettingInfo {
-  std::string_view key;            ///< within its table, for example "packing_fraction"
+  std::string_view key;            ///< without the table, for example "packing_fraction"
   std::string_view unit;           ///< empty for pure numbers and words
   std::string_view documentation;  ///< one sentence
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool min_is_allowed = true;  ///< whether `min` itself is a value
+  bool min_is_allowed = true;  ///< whether the setting may equal `min`
   bool max_is_allowed = true;
-  std::string_view default_note = {};  ///< what leaving it out means, where that is no fixed value
-  std::string_view former_key = {};    ///< its name in earlier versions, which is refused with the new one
+  std::string_view default_note = {};  ///< the default in words, if it is no fixed value
+  std::string_view former_key = {};    ///< the key in earlier versions; refused with an error that gives the new key
 };
 
-/// Receives every setting of an aggregate, one call each, in the order they are documented.
+/// Visits every setting of a struct, one call each, in the order of the documentation.
 ///
-/// An aggregate describes itself once, in `void describe(Settings&, SettingVisitor&)`; reading TOML, --set, writing the
-/// resolved configuration, `gridlock explain` and the reference page are visitors, so that none of them can drift
-/// apart.
+/// A struct lists its settings once, in `void describe(Settings&, SettingVisitor&)`. Visitors read TOML and --set, and
+/// write the resolved configuration, `gridlock explain` and the reference page, so that all of these always agree.
 class SettingVisitor {
  public:
   virtual ~SettingVisitor() = default;
 
-  /// The settings visited until the matching leave() stand in the table `[name]`.
+  /// Opens the table `[name]`: the settings visited until the matching leave() belong to it.
   virtual void enter(std::string_view name, std::string_view documentation) = 0;
   virtual void leave() = 0;
 
@@ -58,14 +56,14 @@ class SettingVisitor {
   virtual void visit(SettingInfo const& info, bool& value) = 0;
   virtual void visit(SettingInfo const& info, std::string& value) = 0;
   virtual void visit(SettingInfo const& info, std::vector<double>& value) = 0;
-  /// One of a fixed list of words; value is its place in the list.
+  /// Visits a setting whose value is a word of `choices`; `value` is the index of the word.
   virtual void visit_choice(SettingInfo const& info, std::span<std::string_view const> choices, std::size_t& value) = 0;
-  /// An array of tables: the visitor calls resize(n) when it reads n of them, and describe_one(k) for each.
+  /// Visits an array of tables: the visitor calls resize(n) when it reads n tables, and describe_one(k) for each table.
   virtual void visit_tables(SettingInfo const& info, std::size_t size, std::function<void(std::size_t)> const& resize,
                             std::function<void(std::size_t, SettingVisitor&)> const& describe_one) = 0;
 };
 
-/// Visits an enumeration whose values are 0, 1, 2 … in the order of `choices`.
+/// Visits a setting that is an enumeration with the values 0, 1, 2 … in the order of `choices`.
 template <class Choice>
 requires std::is_enum_v<Choice>
 void visit_enum(SettingVisitor& visitor, SettingInfo const& info, std::span<std::string_view const> choices,

@@ -19,16 +19,16 @@ struct Vector {
   friend constexpr bool operator==(Vector const&, Vector const&) = default;
 };
 
-/// Scalar product a·b.
+/// Returns the scalar product a·b.
 constexpr double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
 
-/// Squared length a·a; preferred over the length wherever a comparison is enough, since it needs no square root.
+/// Returns the squared length a·a, which costs no square root: enough to compare lengths.
 constexpr double squared_length(Vector a) { return dot(a, a); }
 
-/// (cos φ, sin φ) for an angle φ in radians, to about 1e-16 for |φ| ≤ 100.
+/// Returns (cos φ, sin φ) for an angle φ in radians, to about 1e-16 for |φ| ≤ 100.
 ///
-/// Made of additions and multiplications alone, so that every compiler and mathematical library gives the same bits:
-/// what feeds back into a state must not come from std::sin. NaN and infinities give NaN.
+/// Only additions and multiplications are used, so that every compiler gives the same bits; std::sin does not, and must
+/// not be used for values that enter a state. NaN and infinities give NaN.
 ///
 /// ```cpp
 /// Vector const heading = direction(0.5);
@@ -36,7 +36,7 @@ constexpr double squared_length(Vector a) { return dot(a, a); }
 /// ```
 Vector direction(double angle);
 
-/// `v` turned by the angle whose direction() is `turn`: the product of two complex numbers.
+/// Returns `v` rotated by the angle φ, where `turn` is direction(φ): the product of two complex numbers.
 constexpr Vector rotated(Vector v, Vector turn) { return {v.x * turn.x - v.y * turn.y, v.x * turn.y + v.y * turn.x}; }
 
 }  // namespace gridlock

@@ -2,8 +2,8 @@
 
 namespace gridlock {
 
-/// The library's version and the commit that it was built from, as in summary.json and checkpoints: another version may
-/// give other bits.
+/// Returns the version of the library and the commit from which it was built. Summary.json and checkpoints record it,
+/// since another version may give other bits.
 ///
 ///     0.2.0-dev+0123456789ab            of that commit
 ///     0.2.0-dev+0123456789ab.modified   with changes to what is compiled

@@ -34,7 +34,7 @@
 
 namespace gridlock {
 
-/// How far a run has come: whole steps taken and physical time passed.
+/// The number of steps done, and the physical time.
 struct Clock {
   std::uint64_t step = 0;
   double time = 0.0;
@@ -42,7 +42,7 @@ struct Clock {
   friend bool operator==(Clock const&, Clock const&) = default;
 };
 
-/// The names of what is counted in a model, `Model::events`; none where it declares none.
+/// Returns the names of the events that a model counts, `Model::events`; empty if the model declares no events.
 template <class Model>
 constexpr std::span<std::string_view const> event_names() {
   if constexpr (requires { Model::events; }) {
@@ -52,14 +52,13 @@ constexpr std::span<std::string_view const> event_names() {
   }
 }
 
-/// How often each event has happened, in the order of `Model::events`.
+/// The number of times that each event has happened, in the order of `Model::events`.
 template <class Model>
 using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
 
-/// The agents of a model, the box they live in, the clock and the seed: two equal worlds have equal futures under the
-/// same settings.
+/// The agents of a model, their box, the clock and the seed: two equal worlds stay equal under the same settings.
 ///
-/// `Model` names the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
+/// `Model` declares the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
 template <class Model>
 struct World {
   using Agents = typename Model::Agents;
@@ -68,23 +67,23 @@ struct World {
   Agents agents;
   Clock clock;
   std::uint64_t seed = 0;
-  EventCounts<Model> events{};  ///< since the start; no part of the state: nothing depends on it
+  EventCounts<Model> events{};  ///< counted since the start; not part of the state, since no move depends on the counts
 
-  /// Random numbers for agent `number` of the start.
+  /// Returns the random numbers with which a model places its agent number `number` at the start.
   [[nodiscard]] RandomStream start_random(std::uint64_t number) const {
     return {seed, 0, number, Purpose::model_start};
   }
-  /// A point anywhere in the box.
+  /// Draws a uniform point in the box.
   [[nodiscard]] Vector anywhere(RandomStream& random) const {
     double const x = random.uniform() * box.width();
     return {x, random.uniform() * box.height()};
   }
 };
 
-/// XXH3 of words of 64 bits.
+/// Returns the hash XXH3 of words of 64 bits.
 std::uint64_t hash_words(std::span<std::uint64_t const> words);
 
-/// The bits of a number, its sign extended.
+/// Returns the bits of a number as 64 bits, an integer with its sign extended.
 template <class Value>
 constexpr std::uint64_t word_of(Value value) {
   if constexpr (std::is_same_v<Value, double>) {
@@ -94,39 +93,39 @@ constexpr std::uint64_t word_of(Value value) {
   }
 }
 
-/// The hash of a world whose agents have these hashes in sum; see hash() of a population.
+/// Returns the hash of a world from the number of its agents and the sum of their hashes; see sum_of_hashes().
 std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
                             std::uint64_t sum_of_agents);
 
-/// The hashes of agents in sum, modulo 2⁶⁴. Cost: one pass over the agents.
+/// Returns the sum of the hashes of all agents, modulo 2⁶⁴. Cost: one pass over the agents.
 template <class... Columns>
 std::uint64_t sum_of_hashes(Population<Columns...> const& population) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < population.size(); ++i) {
-    // Words of 64 bits, so that a record has no padding and the same bytes under every compiler.
+    // All words have 64 bits: then a record has no padding, and the same bytes under every compiler.
     std::uint64_t const record[] = {population.ids()[i], word_of(population.template column<Columns>()[i])...};
     sum += hash_words(record);
   }
   return sum;
 }
 
-/// The bitwise identity of a population at one time: equal for equal bits of box, clock, seed and every column of every
-/// agent.
+/// Returns the state hash of a population: equal for equal bits of box, clock, seed and every column of every agent.
 ///
-/// XXH3 of each agent's row under its Id, summed modulo 2⁶⁴, so that the order of the rows does not matter.
+/// The XXH3 hashes of all rows, each with the Id of its agent, are summed modulo 2⁶⁴: the order of the rows does not
+/// matter.
 /// Cost: one pass over the agents.
 template <class... Columns>
 std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {
   return hash_of_world(box, clock, seed, population.size(), sum_of_hashes(population));
 }
 
-/// The same of a world: equal for worlds of two models with the same columns and values.
+/// Returns the state hash of a world; equal for worlds of two models with the same columns and values.
 template <class Model>
 std::uint64_t hash(World<Model> const& world) {
   return hash(world.box, world.clock, world.seed, world.agents);
 }
 
-/// Serializes every bit. Errors: Error where what is restored is no clock, box or world.
+/// Serializes every bit. Errors: Error if the restored values are no valid clock, box or world.
 void serialize(Archive& archive, Clock& clock);
 void serialize(Archive& archive, Box& box);
 template <class Model>

@@ -8,7 +8,7 @@
 
 namespace gridlock {
 
-/// The values of many agents without their names: a contiguous column for each property, all of the same length.
+/// The values of many agents without their Ids: a contiguous column for each property, all of the same length.
 template <class... Columns>
 class ColumnSet {
  public:
@@ -16,7 +16,7 @@ class ColumnSet {
 
   void resize(std::size_t rows) { (values<Columns>().resize(rows), ...); }
 
-  /// Row `to` becomes what row `from` of `other` is. Other rows may be copied by other threads at the same time.
+  /// Copies row `from` of `other` to row `to`. Threads may copy to different rows at the same time.
   void copy(std::size_t to, ColumnSet const& other, std::size_t from) {
     ((values<Columns>()[to] = other.template values<Columns>()[from]), ...);
   }
@@ -30,7 +30,6 @@ class ColumnSet {
   void for_each_column(Visit visit) const {
     (visit(values<Columns>()), ...);
   }
-  /// Row `to` becomes these values, one for each column.
   void put(std::size_t to, std::tuple<typename Columns::type...> const& row) {
     std::apply([&](auto... value) { ((values<Columns>()[to] = value), ...); }, row);
   }
@@ -38,7 +37,7 @@ class ColumnSet {
   template <class Column>
   [[nodiscard]] LargeArray<typename Column::type>& values() {
     static_assert(has<Column>, "these agents have no such column: name it in Population<...>");
-    // The one error that says what is wrong, in place of many from std::get.
+    // Without this branch the compiler would add many errors from std::get to that of the assertion.
     if constexpr (has<Column>) return std::get<Storage<Column>>(columns_).values;
   }
   template <class Column>
@@ -51,7 +50,7 @@ class ColumnSet {
   template <class Column>
   static constexpr bool has = (std::is_same_v<Column, Columns> || ...);
 
-  /// The tag makes columns of one type different members of the tuple.
+  /// A type of its own for each tag, so that std::get can tell columns of equal type apart.
   template <class Column>
   struct Storage {
     LargeArray<typename Column::type> values;

@@ -9,16 +9,16 @@
 
 namespace gridlock {
 
-/// The exact sum of any doubles, rounded once, to nearest even: the same bits for any order and any division of the
-/// terms.
+/// The exact sum of any doubles, rounded once, to nearest even: the bits do not depend on the order of the terms or on
+/// how they are divided into partial sums.
 ///
 ///     limb k counts units of 2^(32 k − 1075)     │ … │ limb k+1 │ limb k │ … │ limb 0 │
 ///     a term of 53 bits goes to two limbs            └ 32 bits apart, of 64 bits each: room for the carries of 1000 terms
 ///
-/// Infinities and NaN are those of a plain sum: +∞ with −∞ is NaN. Finite terms overflow only where their whole sum
-/// does. A sum that is zero is +0, as that of terms to a first +0.
-/// Cost: about 3 ns a term, 1 ns in a span of hundreds, as a plain sum; 552 bytes, trivially copyable, so that
-/// processes can send it.
+/// Infinities and NaN add as usual: +∞ and −∞ give NaN. Finite terms give an infinity only if their whole sum
+/// overflows. A sum of zero is +0.
+/// Cost: about 3 ns a term, or 1 ns in a span of hundreds of terms, like an ordinary sum; 552 bytes. Trivially
+/// copyable, so that processes can send it.
 /// Source: R. M. Neal, Fast exact summation using small and large superaccumulators (2015), arXiv:1505.05571; U. W.
 /// Kulisch, Computer Arithmetic and Validity (2013).
 ///
@@ -39,16 +39,16 @@ class ExactSum {
     add_mantissa((bits & mantissa_mask) | hidden_bit, exponent, sign_of(bits));
   }
 
-  /// The same as one by one, for a third of the cost where there are hundreds.
+  /// Adds terms with the same bits as one by one, at a third of the cost for hundreds of terms.
   void add(std::span<double const> terms);
 
-  /// All terms of another sum.
+  /// Adds all terms of another sum.
   void add(ExactSum const& other);
 
-  /// The sum in few numbers, for a message: it has one for each 32 bits between its highest bit and its lowest, and one
-  /// more.
+  /// Returns the sum as a short list of integers for a message: one for each 32 bits from the highest to the lowest bit
+  /// of the sum, and one more.
   [[nodiscard]] std::vector<std::int64_t> packed() const;
-  /// All terms of a sum that was packed.
+  /// Adds the sum that packed() returned as `numbers`.
   void add_packed(std::span<std::int64_t const> numbers);
 
   [[nodiscard]] double value() const;
@@ -61,17 +61,17 @@ class ExactSum {
   static constexpr unsigned limb_bits = 32;
   static constexpr std::int64_t unit_of_next_limb = std::int64_t{1} << limb_bits;
   static constexpr std::int64_t limb_mask = unit_of_next_limb - 1;
-  /// In the first number of a packed sum: beneath it is the place of a limb.
+  /// The first bit of the flags in the first number of a packed sum; the bits below it are the index of the first limb.
   static constexpr std::uint64_t first_flag = 256;
-  /// The bits of the largest double end in limb 64; those of 2⁶⁴ such terms in the last one, which carries to no other.
+  /// The largest double ends in limb 64, and a sum of 2⁶⁴ such terms in the last limb, which therefore never carries.
   static constexpr std::uint32_t limbs = 67;
-  /// A term is below 2⁵² in the unit of its upper limb, what a carry has left below 2³², and a limb holds 2⁶³.
+  /// A term adds less than 2⁵² to a limb, a carry leaves less than 2³² in it, and a limb holds 2⁶³.
   static constexpr std::uint32_t terms_between_carries = 1024;
 
-  /// −1 for a negative number, 0 for others.
+  /// Returns −1 if the sign bit is set, else 0.
   static std::int64_t sign_of(std::uint64_t bits) { return -static_cast<std::int64_t>(bits >> 63U); }
 
-  /// mantissa · 2^(exponent − 1075), for exponent ≥ 1, or less that where the sign is −1.
+  /// Adds mantissa · 2^(exponent − 1075), or subtracts it if the sign is −1; exponent ≥ 1.
   void add_mantissa(std::uint64_t mantissa, std::uint32_t exponent, std::int64_t sign) {
     std::uint32_t const shift = exponent % limb_bits;
     auto const low = static_cast<std::int64_t>((mantissa << shift) & static_cast<std::uint64_t>(limb_mask));
@@ -84,15 +84,15 @@ class ExactSum {
     if (--terms_until_carry_ == 0) [[unlikely]]
       carry();
   }
-  /// A term that is zero, subnormal, infinite or no number.
+  /// Adds a term that is zero, subnormal, infinite or NaN.
   void add_rare(double term);
-  /// Leaves less than 2³² in the magnitude of every limb but the last. Carries are rounded towards zero, so that those
-  /// of a negative sum end where its bits do.
+  /// Carries, until the magnitude of every limb but the last is below 2³². Carries are rounded towards zero: then a
+  /// negative sum uses no more limbs than a positive one.
   void carry();
 
   std::array<std::int64_t, limbs> limbs_{};
-  std::uint32_t first_ = limbs;  ///< all limbs before this one are 0, and
-  std::uint32_t end_ = 0;        ///< those from this one on
+  std::uint32_t first_ = limbs;  ///< all limbs before this one are 0
+  std::uint32_t end_ = 0;        ///< all limbs from this one on are 0
   std::uint32_t terms_until_carry_ = terms_between_carries;
   bool has_positive_infinity_ = false;
   bool has_negative_infinity_ = false;

@@ -8,24 +8,24 @@
 
 namespace gridlock {
 
-/// The names that the next newborn of a population get, without its agents: see Id.
+/// The Ids that the next newborns of a population get; see Id for slots.
 class FreeNames {
  public:
   FreeNames() = default;
-  /// `slots` have been used; of these the ones of `free` are not, the one that is taken next last.
+  /// The Ids of the first `slots` slots are taken, except those in `free`; take() returns the last of `free` first.
   FreeNames(std::uint64_t slots, std::vector<std::uint64_t> free) : slots_(slots), free_(std::move(free)) {}
 
-  /// The name of a newborn.
+  /// Returns the Id of a newborn.
   [[nodiscard]] std::uint64_t take() {
     if (free_.empty()) return slots_++;
     std::uint64_t const id = free_.back();
     free_.pop_back();
     return id;
   }
-  /// An agent has died.
+  /// Frees the slot of a dead agent: its next agent gets another Id.
   void give_back(std::uint64_t id) { free_.push_back(id + next_generation); }
 
-  /// Names are the numbers of slots and, in the high 32 bits, how often a slot was used before.
+  /// Returns the number of slots that have been used.
   [[nodiscard]] std::uint64_t slots() const { return slots_; }
   [[nodiscard]] std::vector<std::uint64_t> const& free() const { return free_; }
 

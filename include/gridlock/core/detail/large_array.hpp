@@ -6,13 +6,13 @@
 
 namespace gridlock {
 
-/// Memory for `bytes` bytes, in huge pages where the system has them: with small pages, a run of a million disks spends
-/// much of its time looking up addresses. Errors: std::bad_alloc.
+/// Allocates `bytes` bytes, in huge pages if the system has them. With small pages a run of a million disks spends much
+/// of its time on misses of the address cache (TLB). Errors: std::bad_alloc.
 void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 
-/// While it lives, what this thread asks allocate_large() for lies in one block of memory, one array behind the other
-/// and nothing else between, as long as it has room. The block goes with the last of them.
+/// During the life of this object, all arrays that this thread allocates with allocate_large() are placed one behind
+/// the other in one block of `room` bytes, as long as they fit. The block is freed with the last of its arrays.
 class SideBySide {
  public:
   explicit SideBySide(std::size_t room);
@@ -20,14 +20,14 @@ class SideBySide {
   SideBySide(SideBySide const&) = delete;
   SideBySide& operator=(SideBySide const&) = delete;
 
-  /// The room that an array of so many bytes takes.
+  /// Returns the bytes that an array of `bytes` bytes takes in a block.
   static std::size_t room_for(std::size_t bytes);
 
  private:
   struct MemoryBlock* before_;
 };
 
-/// Whether two arrays of allocate_large() lie in one such block.
+/// Returns whether two arrays of allocate_large() are in the same block of a SideBySide.
 bool are_side_by_side(void const* one, void const* other);
 
 template <class Value>
@@ -43,12 +43,12 @@ struct LargePageAllocator {
   friend bool operator==(LargePageAllocator const&, LargePageAllocator const&) { return true; }
 };
 
-/// A vector whose elements are aligned to cache lines, in huge pages when it is long.
+/// A vector that is aligned to cache lines and, if it is long, in huge pages.
 template <class Value>
 using LargeArray = std::vector<Value, LargePageAllocator<Value>>;
 
-/// The same, but resize() leaves new elements as they are in memory: for numbers that are all written before they are
-/// read.
+/// Like LargePageAllocator, but resize() does not initialize new elements: for numbers that are all written before they
+/// are read.
 template <class Value>
 struct UninitializedPageAllocator : LargePageAllocator<Value> {
   template <class Other>

@@ -4,29 +4,29 @@
 
 namespace gridlock {
 
-/// Asks for the memory at `address`, which is going to be changed soon; changes nothing, whatever the address.
+/// Prefetches the memory at `address`, which will be written soon; harmless for any address.
 [[gnu::always_inline]] inline void prefetch(void const* address) {
-  // Into the second cache: asked into the first, dozens of lines at once keep one another out (AMD Zen 4: 7 ns a line
-  // instead of 40).
+  // The level-2 cache: dozens of lines prefetched into level 1 would evict each other (AMD Zen 4: 40 ns a line, here 7
+  // ns).
   __builtin_prefetch(address, 1, 2);
-  // Without this a function that does nothing but prefetch counts as one without effect, and gcc drops the call.
+  // Without this statement gcc drops calls of functions that do nothing but prefetch, as calls without effect.
   asm volatile("" : : "r"(address));
 }
 
-/// Asks for a few lines of memory that are needed next, into the first cache.
+/// Prefetches memory that will be read next, into the level-1 cache.
 [[gnu::always_inline]] inline void prefetch_near(void const* address) {
   __builtin_prefetch(address, 0, 3);
   asm volatile("" : : "r"(address));
 }
 
-/// Carries out `count` pieces of work in their order, while the memory that the next ones need is fetched.
+/// Does `count` pieces of work in order, and prefetches the memory of later pieces meanwhile.
 ///
-///     piece k + 16   1st step   asks for what says where its memory is
-///     piece k + 8    2nd step   asks for that memory
+///     piece k + 16   1st step   prefetches the index that gives its address
+///     piece k + 8    2nd step   prefetches the memory at this address
 ///     piece k        last step  does the work
 ///
-/// A line of memory at a random place takes as long to come as a thousand instructions, but a dozen come in the time of
-/// one. Contract: all steps but the last only ask for memory; they see a world in which earlier pieces are still to do.
+/// Reading memory at a random address takes as long as a thousand instructions, but a dozen such reads can overlap.
+/// Contract: all steps but the last only prefetch, since they run before the work of earlier pieces is done.
 template <class... Steps>
 void carry_out_with_look_ahead(std::size_t count, Steps... steps) {
   constexpr std::size_t distance = 8;

@@ -13,7 +13,8 @@
 
 namespace gridlock {
 
-/// Bytes from one process to another. Both have the same processor and program: values are copied as they are.
+/// Bytes that one process sends to another. Both run the same program on the same kind of processor, so that values are
+/// copied byte by byte.
 using Message = std::vector<std::byte>;
 
 /// Writes values into a message.
@@ -35,7 +36,7 @@ class MessageWriter {
     add(std::uint64_t{text.size()});
     add_all(std::span<char const>(text));
   }
-  /// Adds the values at these places of an array.
+  /// Adds the values at the indices `places` of an array.
   template <class Value>
   void add_chosen(Value const* values, std::span<std::uint32_t const> places) {
     static_assert(std::is_trivially_copyable_v<Value>);
@@ -83,7 +84,7 @@ class MessageReader {
     read_into(std::span(values));
     return values;
   }
-  /// As many values as are left.
+  /// Reads all remaining values of the message.
   template <class Value>
   [[nodiscard]] std::vector<Value> rest() {
     std::vector<Value> values((bytes_.size() - at_) / sizeof(Value));
