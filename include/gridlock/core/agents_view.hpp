@@ -33,9 +33,7 @@ class AgentsView {
                               std::span<std::uint64_t const>>;
 
   template <class... Columns>
-  AgentsView(
-      Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): a function that takes a view also
-                                             // takes agents
+  AgentsView(Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): agents convert to a view
       : ids_(agents.ids()), columns_{{Columns::name, agents.template column<Columns>()}...} {}
   /// Makes a view of agents whose columns are known at run time only. Contract: one value for each Id in every column.
   AgentsView(std::span<Id const> ids, std::vector<std::pair<std::string_view, Values>> columns)

@@ -18,7 +18,8 @@
 
 namespace gridlock {
 
-/// What a model measures of its world at one time: names and numbers, the same names at every time.
+/// The quantities that a model measures at one time, each with a name and a number. The names are the same at all
+/// times.
 ///
 /// ```cpp
 /// Observations now;
@@ -37,12 +38,12 @@ class Observations {
     entries_.push_back({std::string(name), value, std::string(documentation)});
   }
 
-  /// How many agents have the number 0, 1, 2 … in a column: one entry for each name.
+  /// Adds the number of agents with the value k in a column under names[k], for k = 0, 1, 2 …
   template <class Column, class Agents>
   void add_counts(Agents const& agents, std::initializer_list<std::string_view> names) {
     add_counts<Column>(agents, std::span(names.begin(), names.size()));
   }
-  /// The same under the names that the column itself gives to its numbers, Column::value_names.
+  /// Adds the number of agents with the value k in a column under Column::value_names[k].
   template <class Column, class Agents>
   void add_counts(Agents const& agents) {
     add_counts<Column>(agents, std::span<std::string_view const>(Column::value_names));
@@ -57,7 +58,7 @@ class Observations {
     add_each(names, counts, "Agents of this kind.");
   }
 
-  /// The same of the agents of all processes.
+  /// Adds the number of agents with the value k in a column under names[k], counted in all processes.
   template <class Column, class Model>
   void add_counts(AgentSums<Model> const& agents, std::initializer_list<std::string_view> names) {
     add_counts<Column>(agents, std::span(names.begin(), names.size()));
@@ -72,7 +73,8 @@ class Observations {
     add_each(names, {counts.begin(), counts.end()}, "Agents of this kind.");
   }
 
-  /// The mean of measure(row) over the agents of each kind; not a number for a kind without agents.
+  /// Adds, under names[k], the mean of measure(row) over the agents with the value k in a column; NaN if there are
+  /// none.
   template <class Column, class Agents, class Measure>
   void add_means(Agents const& agents, std::initializer_list<std::string_view> names, Measure measure) {
     std::vector<double> sums(names.size());
@@ -99,8 +101,8 @@ class Observations {
   std::vector<Entry> entries_;
 };
 
-/// Whether processes can divide the agents of a model, so that none has all of them: they take their turns all at once
-/// or tile by tile, and what the model asks of all agents are sums.
+/// Returns whether processes can divide the agents of a model, so that no process has all of them. The model must be
+/// synchronous or tiled, and read all agents only through AgentSums.
 template <class Model>
 consteval bool can_be_divided() {
   constexpr bool observes_world = requires(Model const& model, World<Model> const& world, Observations& seen) {
@@ -112,7 +114,7 @@ consteval bool can_be_divided() {
   return Model::schedule == Schedule::tiled || (Model::schedule == Schedule::synchronous && !fixes_cells);
 }
 
-/// What a model says of a start: where its results will mislead.
+/// Returns the notes of a model on its start: reasons why its results will mislead.
 template <class Model>
 std::vector<std::string> notes_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.notes(world); };
@@ -138,7 +140,7 @@ void start_agents(Model const& model, World<Model>& world) {
   }
 }
 
-/// What a model needs is all in here: ModelEngine says what a model is.
+/// This header includes all that a model needs; see ModelEngine for the members of a model.
 ///
 /// ```cpp
 /// struct Walkers {

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// The engine that steps a model, and what a model is.
+/// \file The engine that steps a model, and the members that a model has.
 ///
 /// ```cpp
 /// struct Walkers {
@@ -46,13 +45,12 @@
 
 namespace gridlock {
 
-/// How a model is stepped; nothing of it changes the bits.
+/// The settings of the engine of a model; they do not change the bits of the results.
 struct ModelEngineSettings {
-  std::uint64_t threads = 1;       ///< of a synchronous or tiled model; 0: all cores
-  std::uint64_t verify_every = 0;  ///< steps between two in which searches are compared with brute force; 0: never
+  std::uint64_t threads = 1;       ///< used by synchronous and tiled models; 0: one for each core
+  std::uint64_t verify_every = 0;  ///< steps between comparisons of searches with brute force; 0: never
 };
 
-/// How often each event has happened, with its name.
 template <class Model>
 std::vector<Count> counts_of_events(World<Model> const& world) {
   std::vector<Count> counts;
@@ -62,7 +60,7 @@ std::vector<Count> counts_of_events(World<Model> const& world) {
   return counts;
 }
 
-/// Throws Error where agents cannot search that far in the box.
+/// Throws Error if the box is too small for searches within `cutoff`.
 void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 
 /// Advances a world step by step, with a grid whose cells fit the model's cutoff.
@@ -71,40 +69,40 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///
 ///     static constexpr std::string_view name, documentation;
 ///     static constexpr Schedule schedule;
-///     using Agents = Population<X, Y, …>;            its columns
-///     double cutoff() const;                         how far an agent looks
+///     using Agents = Population<X, Y, …>;            the columns of an agent
+///     double cutoff() const;                         largest distance of a search
 ///     double time_step() const;
-///     std::uint64_t agents_at_start() const;         how many there are at first
+///     std::uint64_t agents_at_start() const;         number of agents at the start
 ///     Agents::Values first_agent(World<Model> const&, std::uint64_t number) const;   number 0 … agents_at_start() − 1
-///     void turn(Turn<Model>&) const;                 synchronous, sequential, tiled: what an agent does in a step
-///     void step(MutableWorld<Model>&) const;         events: what happens in a step
+///     void turn(Turn<Model>&) const;                 synchronous, sequential, tiled: moves one agent in a step
+///     void step(MutableWorld<Model>&) const;         events: changes the world in a step
 ///     void observe(AgentSums<Model> const&, Observations&) const;
-///     void describe(SettingVisitor&);                its settings
+///     void describe(SettingVisitor&);                visits its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
-///     std::vector<std::string> notes(AgentSums<Model> const&) const;   where its results mislead, of a start
+///     std::vector<std::string> notes(AgentSums<Model> const&) const;   reasons why results of a start mislead
 ///
-/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`,
-/// the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(), and
-/// the run measures collision rates and pressures.
+/// The last five may be left out. A model may add `static constexpr std::array<std::string_view, n> events`, the names
+/// of the events it counts, and `static constexpr bool keeps_counters = true` if its turns update Turn::counters(),
+/// from which the run measures collision rates and pressures.
 ///
-/// cutoff() and time_step() may take the World, which they are asked for in every step, or the AgentSums, when a run
-/// begins or continues.
-/// Contract of the latter: the answers stay the same during a run (not checked). First agents that depend on one
-/// another `void start(World<Model>&) const` puts into the box in the place of first_agent(); agents_at_start() is then
-/// for the estimate of the memory; of several processes the root makes them, and has all for that moment. What is
-/// observed and is no sum over agents, `void observe(World<Model> const&, Observations&) const` finds in the world;
-/// notes() may take it too. Several processes divide the agents of a model that asks none of them for the World, so
-/// that none has all; others run in one process.
+/// cutoff() and time_step() may take the World: they are then called in every step. They may also take the AgentSums:
+/// they are then called once when a run begins or continues, and must not change during a run (not checked). If first
+/// agents depend on one another, `void start(World<Model>&) const` places all of them in place of first_agent();
+/// agents_at_start() then only serves to estimate the memory, and the root process makes all agents. observe() and
+/// notes() may take `World<Model> const&` for quantities that are no sums over agents. Several processes can divide the
+/// agents of a model only if none of cutoff(), time_step(), observe() and notes() takes the World.
 ///
-/// In a tiled model no agent searches or moves farther than the cutoff from where its turn began. A model in which a
-/// few do says so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell:
-/// those that are not take their turns one after the other at the end of the step. The order of turns follows from the
-/// cells; a model may fix them in `CellLayout cells(AgentSums<Model> const&) const`.
+/// In a tiled model no agent searches or moves farther than the cutoff from the point where its turn began. A model
+/// with a few faster agents defines `bool is_local(Turn<Model> const&, double room) const`, where room is the shorter
+/// side of a cell: agents for which it returns false take their turns one after the other at the end of the step. The
+/// order of turns follows from the cells; a model may choose the cells in `CellLayout cells(AgentSums<Model> const&)
+/// const`.
 ///
-/// The bits do not depend on the number of threads, on chunks, or on the order of the rows. Neighbours are visited cell
-/// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.
-/// Cost: synchronous, about 25 ns an agent and step besides searches and the model's own work.
+/// The bits do not depend on the number of threads, on the number of calls of advance(), or on the order of the rows.
+/// Neighbours are visited cell by cell and in a cell in the order of their Ids when the step began, so that sums over
+/// neighbours always round alike. Cost: synchronous, about 25 ns an agent and step besides searches and the model's own
+/// work.
 template <class Model>
 class ModelEngine final : public EngineFor<Model> {
  public:
@@ -120,10 +118,10 @@ class ModelEngine final : public EngineFor<Model> {
     advance(world, unused, stop_condition);
   }
 
-  /// Errors: RunFailure where a verified search differs from brute force, where an agent is outside the box, looks
-  /// farther than the model says or counts what is not declared, or what the model throws.
+  /// Errors: RunFailure if a search differs from brute force, or if an agent is outside the box, searches beyond the
+  /// cutoff or counts an event that is not declared; and any exception of the model.
   void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) override {
-    // Between two calls the world may have become another one.
+    // The caller may have changed the world since the last call.
     bool knows_world = false;
     while (!stop_condition.is_reached(world.clock, counters.pair_collisions)) {
       prepare(world, knows_world);
@@ -171,9 +169,9 @@ class ModelEngine final : public EngineFor<Model> {
     return settings_.verify_every > 0 && world.clock.step % settings_.verify_every == 0;
   }
 
-  /// Brings the grid into the form that the state alone decides, and the rows of those who take turns at the same time.
+  /// Sorts rows and fills the grid so that both depend on the state alone, not on earlier steps.
   void prepare(World<Model>& world, bool knows_world) {
-    // What comes from outside: a start, a checkpoint. Within a step births and moves are looked at one by one.
+    // A start or a checkpoint may have agents outside the box. In a step, each birth and move is checked by itself.
     if (!knows_world) require_inside(world);
     if (!knows_world || asks_world_in_every_step<Model>()) {
       cutoff_ = cutoff_of(model_, world);
@@ -188,7 +186,7 @@ class ModelEngine final : public EngineFor<Model> {
       order_.sort(world.agents, layout_);
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
     } else if constexpr (Model::schedule == Schedule::events) {
-      // It has followed every event, and nothing that MutableWorld tells depends on the order inside the cells.
+      // The grid has followed every event, and no result of MutableWorld depends on the order of agents in a cell.
       if (knows_world && layout_ == before) return;
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
     } else {
@@ -209,7 +207,7 @@ class ModelEngine final : public EngineFor<Model> {
     }
     CellsOfStep const cells = cells_of_step(world.box, cutoff_, world.agents.size());
     layout_ = cells.layout;
-    // The order of the turns of other schedules follows from the cells.
+    // Other schedules never use the finer cells, since the order of their turns depends on the cells.
     if constexpr (Model::schedule == Schedule::synchronous) finer_layout_ = cells.finer;
   }
 
@@ -226,7 +224,7 @@ class ModelEngine final : public EngineFor<Model> {
     apply_commands<Model>(world, commands_);
   }
 
-  /// What the turns of one thread share.
+  /// Returns the data that the turns of one thread share.
   Neighbourhood<Model> neighbourhood(World<Model>& world, DeferredCommands<Model>& commands,
                                      Counters* counters = nullptr) {
     constexpr bool is_synchronous = Model::schedule == Schedule::synchronous;
@@ -256,7 +254,7 @@ class ModelEngine final : public EngineFor<Model> {
     turns_.begin_step(layout_, world.agents.size());
     take_turns_of_tiles(world);
     auto const tiles = static_cast<std::uint32_t>(turns_.tiling().tiles().size());
-    // In the order of the tiles, however many threads have taken them.
+    // Late agents take their turns in the order of the tiles, so that the bits do not depend on the number of threads.
     for (std::uint32_t tile = 0; tile < tiles && !turns_.has_failed(); ++tile) {
       turns_.take_late(model_, neighbourhood(world, commands_.front()), tile);
     }
@@ -274,7 +272,7 @@ class ModelEngine final : public EngineFor<Model> {
   }
 
   void take_turns_of_tiles(World<Model>& world) {
-    // Searches that are compared with a look at everybody have to take turns with everybody.
+    // One thread only: brute force reads all agents, which other threads would move at the same time.
     std::size_t const threads = is_verified(world) ? 1 : thread_pool_.size();
     if (rounds_.empty() || layout_ != layout_of_rounds_ || threads != threads_of_rounds_) {
       rounds_ = turns_.tiling().rounds(threads);
@@ -299,13 +297,13 @@ class ModelEngine final : public EngineFor<Model> {
   double cutoff_ = 0.0;
   double time_step_ = 0.0;
   CellLayout layout_;
-  std::optional<CellLayout> fixed_layout_;  ///< by the model
-  std::optional<CellLayout> finer_layout_;  ///< synchronous: where agents crowd
+  std::optional<CellLayout> fixed_layout_;  ///< the cells that the model chooses
+  std::optional<CellLayout> finer_layout_;  ///< synchronous: used if the agents crowd
   AgentsInCellOrder<Model> order_;
   PackedGrid grid_;
   std::vector<DeferredCommands<Model>> commands_;
   TurnsInTiles<Model> turns_;          ///< tiled
-  std::vector<Tiling::Round> rounds_;  ///< tiled: for so many threads
+  std::vector<Tiling::Round> rounds_;  ///< tiled: planned for threads_of_rounds_ threads
   std::size_t threads_of_rounds_ = 0;
   CellLayout layout_of_rounds_;
 };

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// What an agent can see and do when it is its turn.
+/// \file A turn: the functions with which an agent reads its neighbours and changes itself in a step.
 ///
 /// ```cpp
 /// struct Walkers {
@@ -35,8 +34,8 @@
 
 namespace gridlock {
 
-/// Whether the turns of a model keep counters of collisions and impulses. Not for synchronous models, whose turns on
-/// several threads have no order in which floating-point numbers could be summed.
+/// Returns whether the turns of a model update counters of collisions and impulses. Synchronous models cannot: their
+/// turns on several threads have no fixed order in which to sum floating-point numbers.
 template <class Model>
 consteval bool keeps_counters() {
   if constexpr (requires { Model::keeps_counters; }) {
@@ -49,7 +48,7 @@ consteval bool keeps_counters() {
   }
 }
 
-/// An agent as another one sees it from its own position.
+/// A neighbour of the agent whose turn it is, or of another point of its search.
 template <class Model>
 class Neighbour {
  public:
@@ -59,22 +58,23 @@ class Neighbour {
       : world_(world), commands_(commands), row_(row), seen_from_(seen_from) {}
 
   [[nodiscard]] Id id() const { return world_.agents.ids()[row_]; }
-  /// As it was before the step in a synchronous model, as it is now in all others.
+  /// Returns a value of the neighbour: its value before the step in a synchronous model, its present value in all
+  /// others.
   template <class Column>
   [[nodiscard]] typename Column::type get() const {
     return world_.agents.template column<Column>()[row_];
   }
   [[nodiscard]] Vector position() const { return {get<X>(), get<Y>()}; }
-  /// The vector from the point of the search to this agent, to its nearest image in a periodic box.
+  /// Returns the vector from the point of the search to the nearest image of the neighbour.
   [[nodiscard]] Vector separation() const { return world_.box.displacement(seen_from_, position()); }
 
-  /// Changes another agent, which is not for synchronous models: two could change it at the same time.
+  /// Changes a value of the neighbour. Not for synchronous models, where two agents could change it at the same time.
   template <class Column>
   void set(typename Column::type value) const requires(Model::schedule != Schedule::synchronous) {
     static_assert(!std::is_same_v<Column, X> && !std::is_same_v<Column, Y>, "only its own turn moves an agent");
     world_.agents.template column<Column>()[row_] = value;
   }
-  /// Lets it die at the end of the step. More than one may do so.
+  /// Makes the neighbour die at the end of the step. Several agents may kill the same neighbour.
   void kill() const { commands_.deaths.push_back(id()); }
 
  private:
@@ -84,35 +84,34 @@ class Neighbour {
   Vector seen_from_;
 };
 
-/// What all agents of a part of the world have in common while they take their turns.
-///
-/// Not for models, which see a Turn.
+/// The data that the turns of all agents in a part of the world share. Models use Turn instead.
 template <class Model>
 struct Neighbourhood {
   World<Model>& world;
   DeferredCommands<Model>& commands;
-  typename World<Model>::Agents::AllValues* next = nullptr;  ///< synchronous: what the agents will be after the step
-  PackedGrid* grid = nullptr;                                ///< sequential, tiled: who is where now
-  Counters* counters = nullptr;                              ///< sequential, tiled: of these turns
+  typename World<Model>::Agents::AllValues* next = nullptr;  ///< synchronous: the values of all agents after the step
+  PackedGrid* grid = nullptr;                                ///< sequential, tiled: the present positions of all agents
+  Counters* counters = nullptr;                              ///< sequential, tiled: the counters of these turns
   double cutoff = 0.0;                                       ///< the model's
   double time_step = 0.0;                                    ///< the model's
-  std::size_t population = 0;                                ///< all agents there are
-  bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
+  std::size_t population = 0;                                ///< number of agents when the step began
+  bool is_verified = false;                                  ///< whether searches are compared with brute force
 
-  /// Synchronous: the rows that stand in the block of cells around the agent, and whether it touches an edge.
+  /// Synchronous: the rows of the agents in the block of cells around the agent, and whether the block touches an edge.
   RowBlock block;
-  /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
+  /// Tiled: whether agents of other tiles take turns at the same time, so that an agent may use only the cells next to
+  /// its own.
   bool is_confined = false;
-  /// Tiled, of a late turn among processes: gets what others have in the cells around a point, so many columns and rows
-  /// to each side.
+  /// Tiled, in a late turn of several processes: fetches from other processes the cells within `columns` columns and
+  /// `rows` rows of the cell of `p`.
   std::function<void(Vector p, int columns, int rows)> const* get_cells = nullptr;
 };
 
-/// What an agent can do when it is its turn.
+/// The turn of an agent in a step: reads its neighbours, and changes and moves itself.
 ///
-/// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
-/// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths:
-/// these come at the end of the step, in an order that the state alone decides.
+/// In a synchronous model get() and all neighbours have the values before the step, while set() and moves write the
+/// values after the step. In a sequential or tiled model set() and moves take effect at once. Births and deaths always
+/// take effect at the end of the step, in an order that depends on the state alone.
 /// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff, a move of
 /// a local agent of a tiled model beyond the cells next to its own, and an event that is not declared.
 template <class Model>
@@ -128,10 +127,10 @@ class Turn {
   [[nodiscard]] Id id() const { return world().agents.ids()[row_]; }
   [[nodiscard]] Box const& box() const { return world().box; }
   [[nodiscard]] Clock const& clock() const { return world().clock; }
-  /// What the model says of its world in this step.
+  /// Return the cutoff and the time step of the model in this step.
   [[nodiscard]] double cutoff() const { return around_.cutoff; }
   [[nodiscard]] double time_step() const { return around_.time_step; }
-  /// How many agents there were when the step began.
+  /// Returns the number of agents when the step began.
   [[nodiscard]] std::size_t population() const { return around_.population; }
   [[nodiscard]] Vector position() const { return {get<X>(), get<Y>()}; }
 
@@ -145,44 +144,44 @@ class Turn {
     write<Column>(value);
   }
 
-  /// Moves from position() by `displacement`: into the next image of a periodic box, mirrored at walls. Says which
-  /// walls turned it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
+  /// Moves from position() by `displacement`, across periodic edges, and reflected by walls. Returns the directions in
+  /// which walls reflected the move, so that the model can reflect its heading too. Updates columns ImageX and ImageY.
   /// Errors: RunFailure for a displacement that is not shorter than the sides of the box.
   Bounce move_by(Vector displacement) {
-    // Most steps end inside, and these are not longer than the box: the check costs them nothing.
+    // Most moves end inside the box; only the others need the check of their length.
     Vector const end = position() + displacement;
     if (!is_within_edges(end)) return move_across_edges(displacement);
     go_to(end);
     return {};
   }
-  /// Goes to a point of the box. Errors: RunFailure for a point outside.
+  /// Moves to a point of the box. Errors: RunFailure for a point outside.
   void move_to(Vector p) {
     if (!is_inside(box(), p)) throw_outside(clock().step, id(), p, box());
     go_to(p);
   }
 
-  /// Random numbers of this agent in this step; those of different purposes 0, 1, 2 … are independent.
+  /// Returns the random numbers of this agent in this step; different purposes 0, 1, 2 … give independent numbers.
   [[nodiscard]] RandomStream random(std::uint64_t purpose = 0) const {
     return {world().seed, world().clock.step, id(), purpose_of_turn(purpose)};
   }
 
-  /// Calls visit(neighbour) for every other agent nearer than `cutoff`. Errors: RunFailure where that is more than the
-  /// model's own.
+  /// Calls visit(neighbour) for every other agent nearer than `cutoff`. Errors: RunFailure if `cutoff` is above the
+  /// cutoff of the model.
   template <class Visit>
   void for_each_neighbour(double cutoff, Visit visit) const {
     Vector const p = position();
     if (!(cutoff >= 0.0 && cutoff <= around_.cutoff)) throw_far(p, cutoff);
     visit_near(p, cutoff, visit);
   }
-  /// The same around another point: in a synchronous model one from which the neighbours within `cutoff` are also
-  /// within the model's cutoff of the agent.
+  /// Calls visit(neighbour) for every other agent nearer to `p` than `cutoff`. In a synchronous model the whole search
+  /// must lie within the cutoff of the model around the agent.
   template <class Visit>
   void for_each_neighbour(Vector p, double cutoff, Visit visit) const {
     if (!(cutoff >= 0.0 && cutoff <= around_.cutoff && is_searchable(p, cutoff))) throw_far(p, cutoff);
     visit_near(p, cutoff, visit);
   }
 
-  /// Another agent with these values, one per column in the order they are declared, from the next step on.
+  /// Adds an agent at the end of the step, with one value per column in the order the columns are declared.
   /// Errors: RunFailure for a point outside the box.
   template <class... Values>
   void give_birth(Values... values) {
@@ -194,15 +193,15 @@ class Turn {
   }
   /// Dies at the end of the step.
   void die() { around_.commands.deaths.push_back(id()); }
-  /// Counts an event of the model, see `Model::events`. Errors: RunFailure for one that is not declared.
+  /// Counts an event of the model, see `Model::events`. Errors: RunFailure for an event that is not declared.
   void count(std::size_t event) {
     if (event >= event_names<Model>().size()) {
       throw_unknown_event(clock().step, id(), event, event_names<Model>());
     }
     ++around_.commands.events[event];
   }
-  /// Moves, collisions, impulses: from these a run measures collision rates and pressures, as for the engines of hard
-  /// disks. For models with `keeps_counters`.
+  /// Counts of moves and collisions and sums of impulses, which the turns of a model with `keeps_counters` update: from
+  /// them a run measures collision rates and pressures.
   [[nodiscard]] Counters& counters() requires(keeps_counters<Model>()) { return *around_.counters; }
 
  private:
@@ -242,10 +241,12 @@ class Turn {
     if constexpr (Model::schedule != Schedule::synchronous) around_.grid->move(row_, p);
   }
 
-  /// Whether a search around `p` finds everybody: in a synchronous model it sees what the agent itself can see.
+  /// Returns whether a search around `p` finds all neighbours: a synchronous model searches only the cells around the
+  /// agent.
   [[nodiscard]] bool is_searchable(Vector p, double cutoff) const {
     if constexpr (Model::schedule == Schedule::synchronous) {
-      // The cells are wider than the cutoff by as much, so that sums which round do not count as too far.
+      // The cells are wider than the cutoff by this factor, so that a search at exactly the cutoff passes despite
+      // rounding.
       constexpr double rounding = 1.0 + 1e-9;
       double const room = around_.cutoff - cutoff;
       return squared_length(box().displacement(position(), p)) <= room * room * rounding;
@@ -273,7 +274,7 @@ class Turn {
       find_in_grid(p, cutoff);
     }
     if (around_.is_verified) verify(p, cutoff, first);
-    // Rows are copied out by index: a search within a search may make the stack longer.
+    // By index, since a search within visit() may reallocate the stack.
     for (std::size_t k = first; k < commands.found_top; ++k) {
       visit(Neighbour<Model>(around_.world, commands, commands.found[k], p));
     }

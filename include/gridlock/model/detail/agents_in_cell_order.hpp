@@ -12,7 +12,7 @@
 
 namespace gridlock {
 
-/// Agents whose rows are in the order of their cells, and turns that all of them take at the same time.
+/// Sorts the rows of agents by their cells, and lets all agents take their turns on several threads.
 template <class Model>
 class AgentsInCellOrder {
  public:
@@ -21,28 +21,30 @@ class AgentsInCellOrder {
 
   explicit AgentsInCellOrder(ThreadPool& thread_pool) : thread_pool_(thread_pool) {}
 
-  /// The cells that the rows are in the order of.
+  /// Returns the cells by which the rows are sorted.
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
 
-  /// Puts all agents into the order of their cells, and returns these: where agents crowd those of `finer`, if it is
-  /// given.
+  /// Sorts all agents by their cells, and returns the layout used: `finer`, if it is given and the agents crowd, else
+  /// `layout`.
   CellLayout sort(Agents& agents, CellLayout const& layout, std::optional<CellLayout> const& finer = {}) {
     layout_ = order_.sort(layout, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_,
                           finer);
     next_.resize(agents.size());
-    // The present values go through a scratch set of columns, since nothing can be read and replaced at the same time.
+    // The values are copied to scratch columns in their new order, since sorting in place would overwrite values still
+    // unread.
     agents.exchange(next_);
     put_into_scratch(agents.ids(), next_);
     agents.reorder(scratch_ids_, scratch_);
     for_each_range_of_rows(agents.size(), [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
     return layout_;
   }
-  /// After sort(), where next() has not been written: the agents get the values back that they had then.
+  /// Gives the agents the values back that they had at the last sort(). Contract: next() has not been written since.
   void undo(Agents& agents) {
     agents.reorder(scratch_ids_, next_);
     sort(agents, layout_);
   }
-  /// Agents in a window of the cells: those with these Ids and the values of next(). No Id of them is found.
+  /// Makes `agents` a part, see Population::become(), with `ids` and the values of next(), sorted by the cells of a
+  /// window.
   void sort_window(Agents& agents, LargeArray<Id> const& ids, CellLayout const& layout, CellWindow const& window,
                    StoredCells::Which stored) {
     layout_ = layout;
@@ -52,19 +54,20 @@ class AgentsInCellOrder {
     agents.become(scratch_ids_, scratch_);
   }
 
-  /// What the agents will be after the step.
+  /// Returns the values of all agents after the step.
   [[nodiscard]] AllValues& next() { return next_; }
   [[nodiscard]] AllValues const& next() const { return next_; }
   void begin_turns(std::size_t agents) { next_.resize(agents); }
   void copy_present(Agents const& agents, std::size_t row) { next_.copy(row, agents.values(), row); }
 
-  /// Parts of the rows whose turns one thread takes: bands of whole rows of cells. How many there are changes nothing,
-  /// since all commands are sorted afterwards.
+  /// Returns the number of bands: whole rows of cells whose turns one thread takes. Their number does not change the
+  /// bits, since all births and deaths are sorted afterwards.
   [[nodiscard]] std::size_t bands() const {
     auto const cell_rows = static_cast<std::size_t>(order_.cell_rows());
     return thread_pool_.size() == 1 ? 1 : std::min(cell_rows, 16 * thread_pool_.size());
   }
-  /// Calls take(neighbourhood, row, band) for each row; neighbourhood_of(band) is what the turns of a band share.
+  /// Calls take(neighbourhood, row, band) for each row; neighbourhood_of(band) returns the data that the turns of a
+  /// band share.
   template <class NeighbourhoodOf, class Take>
   void for_each_turn(NeighbourhoodOf neighbourhood_of, Take take) {
     RowBlocks const blocks(layout_, [&](int column, int row) { return order_.first_of(column, row); });

@@ -7,8 +7,7 @@
 
 namespace gridlock {
 
-/// The cells of a step of a synchronous model: coarse ones, and finer ones for agents that crowd, where those would
-/// help.
+/// The cells of a step: coarse cells, and finer cells for crowded agents if these would save time.
 struct CellsOfStep {
   CellLayout layout;
   std::optional<CellLayout> finer;

@@ -12,15 +12,16 @@
 
 namespace gridlock {
 
-/// What the agents of one part of the world asked for in their turns: kept until the turns are over, so that nobody's
-/// row moves while neighbours are being visited.
+/// The births, deaths and events that agents of one part of the world have requested in their turns. They take effect
+/// after all turns, so that no row moves while neighbours are visited.
 template <class Model>
 struct DeferredCommands {
   std::vector<typename World<Model>::Agents::Values> births;
-  std::vector<Id> parents;  ///< of each birth
-  std::vector<Id> deaths;   ///< an Id may stand there twice
+  std::vector<Id> parents;  ///< the parent of each birth
+  std::vector<Id> deaths;   ///< an Id may be listed twice
   EventCounts<Model> events{};
-  std::vector<std::uint32_t> found;  ///< rows of neighbours, a stack: a search within a search comes on top
+  std::vector<std::uint32_t> found;  ///< stack of the rows that searches found: a search within a search adds to the
+                                     ///< top
   std::size_t found_top = 0;
 
   void append(DeferredCommands const& part) {
@@ -37,7 +38,6 @@ struct DeferredCommands {
   }
 };
 
-/// Removes agents, in this order.
 template <class Agents>
 void remove_agents(Agents& agents, std::span<Id const> ids) {
   carry_out_with_look_ahead(
@@ -45,9 +45,9 @@ void remove_agents(Agents& agents, std::span<Id const> ids) {
       [&](std::size_t k) { agents.remove(ids[k]); });
 }
 
-/// Lets everything that was asked for take effect: first the deaths in the order of the Ids, then the births in the
-/// order of their parents' Ids, those of one parent as it asked for them. The state alone decides that order, so that
-/// also the names of the newborn are the same on any number of threads. Contract: an agent asks in one part only.
+/// Applies all commands: first deaths in the order of the Ids, then births in the order of the parents' Ids, births of
+/// one parent in the order of its calls. This order depends on the state alone, so that the Ids of newborns are the
+/// same on any number of threads. Contract: all commands of an agent are in one part.
 template <class Model>
 void apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> parts) {
   DeferredCommands<Model> all;

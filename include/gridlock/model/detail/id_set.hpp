@@ -9,10 +9,10 @@
 
 namespace gridlock {
 
-/// A set of Ids, to ask for each of many agents whether it is one of a few.
+/// A set of few Ids with a fast contains(), which is called for many agents.
 class IdSet {
  public:
-  /// Sorts them, and drops repeats.
+  /// Sorts the Ids, and drops repeats.
   explicit IdSet(std::vector<Id> ids);
 
   [[nodiscard]] std::span<Id const> sorted() const { return ids_; }
@@ -26,7 +26,8 @@ class IdSet {
 
   std::vector<Id> ids_;
   std::uint64_t mask_ = 63;
-  std::vector<std::uint64_t> bits_;  ///< most Ids are told from all others by their last bits
+  std::vector<std::uint64_t> bits_;  ///< a bit for each value of the last bits of an Id: clear if no Id of the set has
+                                     ///< them
 };
 
 }  // namespace gridlock

@@ -7,14 +7,14 @@
 
 namespace gridlock {
 
-/// The directions in which walls turned a displacement back.
+/// The directions in which walls reflected a move.
 struct Bounce {
   bool x = false;
   bool y = false;
 };
 
-/// Where a displacement from `p` ends: on the other side of a periodic box, mirrored at a wall.
-/// Contract: the displacement is shorter than the sides of the box.
+/// The end of a move: across periodic edges, or reflected by walls. Contract: the displacement is shorter than the
+/// sides of the box.
 struct Motion {
   Vector end;
   int crossed_x = 0;  ///< see Box::wrap()

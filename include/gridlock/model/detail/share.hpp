@@ -27,7 +27,7 @@
 
 namespace gridlock {
 
-/// The run whose steps are shared, besides its agents.
+/// The data of a run that processes share, besides its agents.
 struct SharedRun {
   Box box;
   std::uint64_t seed;
@@ -37,43 +37,44 @@ struct SharedRun {
   std::size_t agents;  ///< of all processes
 };
 
-/// Gives names to newborn agents, as one process does: takes the deaths of a step in the order of the Ids and the
-/// number of births. Only the root knows which names are free.
+/// Returns the Ids of the newborns of a step, the same as in a run of one process. Takes the Ids of the dead in order,
+/// and the number of births. Only the root has this function, since it alone knows the free Ids.
 using NameBirths = std::function<std::vector<Id>(std::span<Id const> deaths, std::size_t births)>;
 
-/// The agents that one process has in the steps of a model, and the rim around them that others own; and what is the
-/// same for all schedules between two steps: who is born gets a name, who is dead goes, and each process gets the
-/// agents that it has to know.
+/// The agents of one process in the steps of a model: its own agents, and copies of agents of other processes in the
+/// rim around them. Between two steps it gives Ids to newborns, removes the dead, and exchanges agents with other
+/// processes; the subclasses take the turns.
 template <class Model>
 class AgentsOfShare {
  public:
   using Agents = typename World<Model>::Agents;
   using AllValues = typename Agents::AllValues;
 
-  /// The failure of a turn of this process.
+  /// Returns the failure of a turn of this process, if any.
   [[nodiscard]] std::optional<FailedTurn> const& failure() const { return failure_; }
-  /// The number of agents of all processes, as far as steps have taken effect.
+  /// Returns the number of agents of all processes after the steps that have taken effect.
   [[nodiscard]] std::size_t population() const { return population_; }
-  /// The events of the steps that have taken effect.
+  /// Returns the events that agents of this process counted in the steps that have taken effect.
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
-  /// The counters of the turns of this process in each step since the last call; none where turns keep none.
+  /// Returns the counters of this process for each step since the last call; empty if turns of the model keep no
+  /// counters.
   [[nodiscard]] std::vector<CountersOfStep> take_counters() { return std::exchange(counters_, {}); }
 
  protected:
   using Rows = std::vector<std::uint32_t>;
 
-  /// The head of the message of a process to all others after its turns.
+  /// The first part of the message that a process sends to all others after its turns.
   struct TellHead {
     std::uint64_t has_failed = 0;
     std::uint64_t deaths = 0;
     std::uint64_t births = 0;
   };
-  /// The messages of all.
+  /// The contents of the messages of all processes.
   struct Told {
     std::vector<Id> deaths;
-    std::vector<Id> parents;              ///< of all births, process by process
-    std::size_t first_own_parent = 0;     ///< among them
-    std::vector<std::uint64_t> far_from;  ///< processes that are no neighbours and send agents
+    std::vector<Id> parents;              ///< the parent of each birth, process by process
+    std::size_t first_own_parent = 0;     ///< index in `parents` of the first birth of this process
+    std::vector<std::uint64_t> far_from;  ///< processes that send agents to this one without being its neighbours
     bool has_failure = false;
   };
 
@@ -107,7 +108,7 @@ class AgentsOfShare {
         .world = world_, .commands = commands, .cutoff = cutoff_, .time_step = time_step_, .population = population_};
   }
 
-  /// The wishes of all agents of this process in their turns.
+  /// The deaths and births that agents of this process have requested in their turns.
   struct Asked {
     std::vector<Id> deaths;
     std::vector<Id> parents;
@@ -127,7 +128,7 @@ class AgentsOfShare {
     }
   }
 
-  /// Adds rows for the newborn, who have no names yet.
+  /// Adds rows for the newborns, whose Ids are not known yet.
   void add_births() {
     AllValues& next = order_.next();
     for (DeferredCommands<Model> const& commands : commands_) {
@@ -141,7 +142,7 @@ class AgentsOfShare {
 
   void address(std::uint32_t row) { migration_.address(domain_, row, place(order_.next(), row)); }
 
-  /// Tells all processes what concerns all.
+  /// Sends deaths, births and failures of this process to all processes, and returns those of all.
   Told tell_all(std::vector<Id> const& deaths, std::vector<Id> const& parents) {
     MessageWriter own;
     own.add(TellHead{.has_failed = failure_ ? std::uint64_t{1} : 0, .deaths = deaths.size(), .births = parents.size()});
@@ -163,8 +164,8 @@ class AgentsOfShare {
     return told;
   }
 
-  /// The newborn of all processes get their names in the order of their parents' Ids, those of one parent as it asked
-  /// for them.
+  /// Gives Ids to the newborns of all processes in the order of the parents' Ids, births of one parent in the order of
+  /// its calls.
   void name_births(Told const& told, IdSet const& dead, std::size_t first_newborn) {
     std::vector<Id> names;
     if (name_births_) names = name_births_(dead.sorted(), told.parents.size());
@@ -180,10 +181,9 @@ class AgentsOfShare {
     }
   }
 
-  /// Lets what was asked for in the turns of the first `agents` rows take effect, in all processes. False where a turn
-  /// of any has failed. find_movers() finds out which rows, the newborn behind those included, do not stay here, and
-  /// who has to be told of which; divide_anew(dead) may divide the agents anew before they travel, and says whether it
-  /// has.
+  /// Applies the births and deaths of the turns of the first `agents` rows, in all processes. Returns false if a turn
+  /// of any process has failed. find_movers() finds the rows, newborns included, that must be sent to other processes
+  /// or dropped. divide_anew(dead) may divide the agents anew before they are sent, and returns whether it did.
   template <class FindMovers, class DivideAnew>
   bool let_turns_take_effect(std::size_t agents, FindMovers find_movers, DivideAnew divide_anew) {
     Asked asked;
@@ -212,8 +212,8 @@ class AgentsOfShare {
     return true;
   }
 
-  /// Moves the agents of this process into empty arrays: after the last step has taken effect, by complete_step(), or
-  /// as they were before it.
+  /// Moves the agents of this process into empty arrays: with their values after complete_step() if the last step
+  /// counts, else with their values before it.
   template <class CompleteStep>
   void take_own_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values, CompleteStep complete_step) {
     if (does_step_count && has_turns_) complete_step();
@@ -235,28 +235,28 @@ class AgentsOfShare {
   double cutoff_;
   double time_step_;
   ThreadPool thread_pool_;
-  NameBirths name_births_;  ///< of the root
-  World<Model> world_;      ///< with the agents of this process and of its rim, who cannot be found by their Ids
+  NameBirths name_births_;  ///< in the root only
+  World<Model> world_;      ///< has the agents of this process and of its rim; index_of() does not work
   std::size_t population_;  ///< of all processes
   AgentsInCellOrder<Model> order_;
   std::vector<DeferredCommands<Model>> commands_;
   EventCounts<Model> events_{};
-  std::vector<CountersOfStep> counters_;  ///< of each step that nobody has asked for yet
+  std::vector<CountersOfStep> counters_;  ///< for each step since take_counters()
   std::optional<FailedTurn> failure_;
-  bool has_turns_ = false;  ///< what they ask for has not taken effect yet
-  LargeArray<Id> ids_;      ///< of the rows of order_.next(), between the turns and the next order of the rows
+  bool has_turns_ = false;  ///< turns were taken whose births and deaths have not taken effect yet
+  LargeArray<Id> ids_;      ///< the Ids of the rows of order_.next(), from the turns until the next sort
   Migration<Agents> migration_;
 };
 
-/// The share that one process has in the steps of a synchronous model: the agents of its rectangle of the box, and
-/// those within the cutoff of it that others own.
+/// The part of one process in the steps of a synchronous model: the agents of its rectangle of the box, and copies of
+/// the agents of other processes within the cutoff of it, the rim.
 ///
-/// A step: all own agents take their turns. Then all processes tell each other who has died and who has had a child,
-/// the root names the children, and each process sends to its neighbours the agents that they own from now on or have
-/// in their rim. The rows are put into the order of the cells of the whole box, so that all neighbours are visited in
-/// the order of one process.
+/// A step: all own agents take their turns. All processes exchange the Ids of the dead and of parents of newborns, and
+/// the root gives Ids to the newborns. Then each process sends its neighbours the agents that now belong to them or to
+/// their rim. Rows are sorted by the cells of the whole box, so that neighbours are visited in the same order as in a
+/// run of one process.
 ///
-/// All processes construct it and call take_step() together. The bits are those of one process.
+/// All processes construct it and call take_step() together. The bits are those of a run of one process.
 template <class Model>
 class ModelShare final : public AgentsOfShare<Model> {
   using Base = AgentsOfShare<Model>;
@@ -266,22 +266,22 @@ class ModelShare final : public AgentsOfShare<Model> {
   using typename Base::Agents;
   using typename Base::AllValues;
 
-  /// `ids` and `values` are those of the agents in the rectangle of this process.
+  /// `ids` and `values` belong to the agents in the rectangle of this process.
   ModelShare(Domain&& domain, Model const& model, SharedRun const& run, LargeArray<Id>&& ids, AllValues&& values,
              NameBirths name_births = {})
       : Base(std::move(domain), model, run, std::move(ids), std::move(values), std::move(name_births)) {
     sort();
   }
 
-  /// False where a turn has failed: then the step does not count.
+  /// Takes one step. Returns false if a turn of the last step has failed: then that step does not count.
   bool take_step() {
     if (has_turns_ && !complete_step()) return false;
     take_turns();
     return true;
   }
 
-  /// Lets the last step take effect, unless it does not count, and moves the agents of this process into empty arrays.
-  /// All call it, once, at the end.
+  /// Completes the last step if it counts, and moves the agents of this process into empty arrays. All processes call
+  /// it once, at the end.
   void take_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values) {
     Base::take_own_agents(does_step_count, ids, values, [this] { complete_step(); });
   }
@@ -301,10 +301,10 @@ class ModelShare final : public AgentsOfShare<Model> {
   using Base::processes_;
   using Base::world_;
 
-  /// The findings of the turns of a band besides the values.
+  /// The rows found in the turns of a band that other processes own or need.
   struct Band {
     Rows of_others;  ///< rows of the rim
-    Rows at_border;  ///< rows of own agents that others have to know, or that have left
+    Rows at_border;  ///< rows of own agents that have left, or that others need in their rim
     std::uint64_t turns = 0;
   };
 
@@ -332,7 +332,7 @@ class ModelShare final : public AgentsOfShare<Model> {
 
   void take_turn(Neighbourhood<Model>& around, std::uint32_t row, Band& band) {
     Vector const p = place(world_.agents.values(), row);
-    // Most are, and the first question is the cheaper one.
+    // Most agents are inside, and is_inside() is cheaper than is_own().
     if (!domain_.is_inside(p) && !domain_.is_own(p)) {
       band.of_others.push_back(row);
       return;
@@ -354,7 +354,8 @@ class ModelShare final : public AgentsOfShare<Model> {
     return around;
   }
 
-  /// Lets what was asked for in the turns take effect, in all processes. False where a turn of any has failed.
+  /// Applies the births and deaths of the last turns, in all processes. Returns false if a turn of any process has
+  /// failed.
   bool complete_step() {
     ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
     auto const keep_division = [](IdSet const& /*dead*/) { return false; };
@@ -365,7 +366,7 @@ class ModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Finds out which rows do not stay here, and who has to be told of which.
+  /// Finds the rows to be dropped, and the rows to be sent to each process.
   void find_movers() {
     migration_.begin();
     for (Band const& band : bands_) {
@@ -375,7 +376,7 @@ class ModelShare final : public AgentsOfShare<Model> {
     for (auto row = static_cast<std::uint32_t>(world_.agents.size()); row < ids_.size(); ++row) this->address(row);
   }
 
-  /// Puts the rows in the order of the cells, which all processes choose alike.
+  /// Sorts the rows by their cells; all processes choose the same cells.
   void sort() {
     CellsOfStep const cells = cells_of_step(world_.box, cutoff_, population_);
     AllValues const& next = order_.next();

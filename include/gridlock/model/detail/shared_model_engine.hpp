@@ -34,10 +34,10 @@ namespace gridlock {
 struct StepsOfModel {
   double cutoff = 0.0;
   double time_step = 0.0;
-  std::optional<CellLayout> cells;  ///< where the model fixes them
+  std::optional<CellLayout> cells;  ///< empty if the model does not choose the cells
 };
 
-/// All processes call it; `world` has the agents of this one.
+/// Asks a model for its cutoff, time step and cells. All processes call it; `world` has the agents of this process.
 template <class Model>
 StepsOfModel steps_of(Communicator& processes, Model const& model, World<Model> const& world) {
   return {.cutoff = cutoff_of(model, world, processes),
@@ -45,8 +45,8 @@ StepsOfModel steps_of(Communicator& processes, Model const& model, World<Model> 
           .cells = cells_of(model, world, processes)};
 }
 
-/// Takes so many steps together with all other processes, or as many as there are before a turn fails. `failure` is the
-/// first of all. All call it.
+/// Takes `steps` steps together with all other processes, or fewer if a turn fails; `failure` is then the first failure
+/// of all processes. All processes call it.
 template <class Share>
 StepsTaken take_steps(Communicator& processes, Share& share, std::uint64_t steps, Counters& counters,
                       std::optional<FailedTurn>& failure) {
@@ -63,22 +63,22 @@ StepsTaken take_steps(Communicator& processes, Share& share, std::uint64_t steps
   return taken;
 }
 
-/// The part of this process in the steps of agents that all share: the agents go to the rectangles in which they take
-/// turns, and stay where they are then. All construct it and call give_back() together.
+/// Sends the agents of a run to the processes that own their rectangles, takes steps there, and gives each process the
+/// agents of its rectangle back. All processes construct it and call give_back() together.
 template <class Model>
 class StepsOfAll {
  public:
   using Agents = typename World<Model>::Agents;
   using Share = std::conditional_t<Model::schedule == Schedule::tiled, TiledModelShare<Model>, ModelShare<Model>>;
 
-  /// Takes the agents out of `own`. The cells of the run are chosen here, unless the model fixes them.
+  /// Takes the agents out of `own`. Chooses the cells of the run, unless the model fixes them.
   StepsOfAll(Communicator& processes, Model const& model, SharedRun const& run,
              std::optional<CellLayout> const& fixed_cells, Agents& own, NameBirths name_births = {})
       : processes_(processes) {
     own.become(rows_.ids, rows_.values);
     CellsOfStep const cells = cells_of_step(run.box, run.cutoff, run.agents);
     Domain domain = send_to_rectangles(fixed_cells.value_or(cells.layout), run.cutoff);
-    // Processes can share a crowd of agents fairly in fine cells alone.
+    // Only fine cells divide a crowd of agents evenly among processes.
     if constexpr (Model::schedule == Schedule::synchronous) {
       if (cells.finer && is_crowd(domain, domain.cells(), rows_.values.template values<X>(),
                                   rows_.values.template values<Y>(), run.agents)) {
@@ -91,7 +91,7 @@ class StepsOfAll {
 
   [[nodiscard]] Share& share() { return *share_; }
 
-  /// Gives this process the agents that are in its rectangle now, in the order of their Ids.
+  /// Moves the agents that are in the rectangle of this process now to `own`, in the order of their Ids.
   void give_back(bool does_last_step_count, Agents& own) {
     AgentRows<Agents> rows;
     share_->take_agents(does_last_step_count, rows.ids, rows.values);
@@ -101,11 +101,11 @@ class StepsOfAll {
     own.become(rows.ids, rows.values);
   }
 
-  /// The events of this process, after give_back().
+  /// Returns the events of this process. Contract: give_back() was called.
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
 
  private:
-  /// Each process gets the agents of its rectangle: of cells, or of tiles.
+  /// Sends every agent to the process that owns its rectangle of cells or tiles, and returns the division.
   [[nodiscard]] Domain send_to_rectangles(CellLayout const& cells, double cutoff) {
     auto const& x = rows_.values.template values<X>();
     auto const& y = rows_.values.template values<Y>();
@@ -125,12 +125,12 @@ class StepsOfAll {
   }
 
   Communicator& processes_;
-  AgentRows<Agents> rows_;  ///< before there is a share
+  AgentRows<Agents> rows_;  ///< the agents until share_ exists
   std::optional<Share> share_;
-  EventCounts<Model> events_{};  ///< after them
+  EventCounts<Model> events_{};  ///< set by give_back()
 };
 
-/// A dead agent leaves its name to one that is born.
+/// Returns the Ids of `births` newborns, after the slots of the dead are freed.
 inline std::vector<Id> names_of_births(FreeNames& names, std::span<Id const> deaths, std::size_t births) {
   for (Id const id : deaths) names.give_back(id);
   std::vector<Id> given(births);
@@ -138,7 +138,7 @@ inline std::vector<Id> names_of_births(FreeNames& names, std::span<Id const> dea
   return given;
 }
 
-/// Errors: Error, in all processes, for the agent outside the box that one process would name.
+/// Errors: Error, in all processes, for the agent outside the box with the lowest Id.
 template <class Model>
 void require_inside_box(Communicator& processes, World<Model> const& own,
                         std::function<void(std::function<void()> const&)> const& blame) {
@@ -151,8 +151,8 @@ void require_inside_box(Communicator& processes, World<Model> const& own,
   });
 }
 
-/// Puts the first agents of this process into an empty world: each makes its own where they are functions of their
-/// numbers; else the root makes all, hands them out and forgets them. All call it.
+/// Puts the first agents of this process into an empty world. With Model::first_agent() each process makes some of
+/// them; else the root makes all agents and sends them to the other processes. All processes call it.
 /// Errors: Error or RunFailure, in all processes.
 template <class Model>
 void start_together(Model const& model, World<Model>& own, Communicator& processes,
@@ -183,16 +183,16 @@ void start_together(Model const& model, World<Model>& own, Communicator& process
   require_inside_box(processes, own, blame);
 }
 
-/// Advances a model whose agents several processes share. The world of each has the agents that are in its rectangle of
-/// the box, in the order of their Ids, and before the first step any; the root also has the names that are free, as
-/// Population::names_of_all(). All processes call each function together. The bits are those of one process.
+/// Advances a model whose agents several processes share. The world of a process has the agents in its rectangle of the
+/// box, in the order of their Ids; before the first step it may have any agents. The root also has the free Ids, in
+/// Population::names_of_all(). All processes call each function together. The bits are those of a run of one process.
 template <class Model>
 class SharedModelEngine final : public EngineFor<Model> {
  public:
   SharedModelEngine(Model model, AllProcesses processes, std::uint64_t threads)
       : model_(std::move(model)), processes_(processes), threads_(threads) {}
 
-  /// Errors: as ModelEngine::advance(), in all processes.
+  /// Errors: those of ModelEngine::advance(), in all processes.
   void advance(World<Model>& own, Counters& counters, StopCondition const& stop_condition) override {
     Communicator& processes = processes_.communicator();
     StepsOfModel const steps_of_model = steps_of(own);
@@ -231,7 +231,7 @@ class SharedModelEngine final : public EngineFor<Model> {
   }
 
   [[nodiscard]] double time_step_of(World<Model> const& own) const override { return steps_of(own).time_step; }
-  /// Looks at the agents of this process alone.
+  /// Checks the agents of this process only.
   void require_valid(World<Model> const& own) const override {
     try {
       ModelEngine<Model>::require_inside(own);

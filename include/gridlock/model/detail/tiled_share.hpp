@@ -25,16 +25,15 @@
 
 namespace gridlock {
 
-/// The share that one process has in the steps of a tiled model: the agents of its tiles, and of the ring of cells
-/// around them that others own.
+/// The part of one process in the steps of a tiled model: the agents of its tiles, and copies of the agents in the ring
+/// of cells around them, which other processes own.
 ///
-/// A step is four rounds, one for each colour of tiles; after each a process sends its neighbours the cells that may
-/// have changed, see Halo. The agents of a cell travel in the order in which they are visited, so that it is that of
-/// one process everywhere. Late agents take their turns one after the other, in the order of one process: the process
-/// whose turn it is asks others for the cells that it comes to, and gives them back.
+/// A step has four rounds, one for each colour of tiles. After a round a process sends its neighbours the cells that
+/// may have changed, see Halo. Messages keep the order of the agents in a cell, so that all processes visit them as one
+/// process does. Late agents then take their turns one after the other, in the order of a run of one process: a process
+/// borrows the cells that its late agents reach from other processes, and gives them back.
 ///
-/// Between two steps it is as for ModelShare. All processes construct it and call take_step() together. The bits are
-/// those of one process.
+/// All processes construct it and call take_step() together. The bits are those of a run of one process.
 template <class Model>
 class TiledModelShare final : public AgentsOfShare<Model> {
   using Base = AgentsOfShare<Model>;
@@ -44,7 +43,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   using typename Base::Agents;
   using typename Base::AllValues;
 
-  /// `ids` and `values` are those of the agents in the tiles of this process.
+  /// `ids` and `values` belong to the agents in the tiles of this process.
   TiledModelShare(Domain&& domain, Model const& model, SharedRun const& run, LargeArray<Id>&& ids, AllValues&& values,
                   NameBirths name_births = {})
       : Base(std::move(domain), model, run, std::move(ids), std::move(values), std::move(name_births)) {
@@ -52,14 +51,14 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     begin_step();
   }
 
-  /// False where a turn has failed: then the step does not count.
+  /// Takes one step. Returns false if a turn of the last step has failed: then that step does not count.
   bool take_step() {
     if (has_turns_ && !complete_step()) return false;
     take_turns();
     return true;
   }
 
-  /// As ModelShare::take_agents().
+  /// Completes the last step if it counts, and moves the agents of this process into empty arrays, as ModelShare does.
   void take_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values) {
     Base::take_own_agents(does_step_count, ids, values, [this] { complete_step(); });
   }
@@ -82,12 +81,13 @@ class TiledModelShare final : public AgentsOfShare<Model> {
 
   friend class LentCells<TiledModelShare>;
 
-  /// The number of agents of a cell, in a message.
+  /// A cell and the number of its agents, in a message.
   struct CellHead {
     std::int32_t cell;
     std::uint32_t agents;
   };
-  /// Tiles of one process whose late agents take their turns without those of other processes in between.
+  /// Tiles of one process whose late agents take their turns one after the other, with none of another process in
+  /// between.
   struct LateTiles {
     std::size_t process;
     std::vector<std::uint32_t> tiles;
@@ -95,7 +95,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
 
   [[nodiscard]] CellLayout const& cells() const { return domain_.cells(); }
 
-  /// Plans the rounds of all steps in these cells.
+  /// Plans the rounds of all steps until the cells change.
   void plan_rounds() {
     Tiling const tiling(cells());
     Tiling::Rectangle const& own = domain_.own_tiles();
@@ -107,7 +107,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     for (std::size_t k = 0; k < Tiling::colours; ++k) halo_.plan(k, rounds_[k], cells(), tiling);
   }
 
-  /// Puts the agents into the order that they have in one process.
+  /// Sorts the agents into the order that they have in a run of one process.
   void begin_step() {
     order_.sort_window(world_.agents, ids_, cells(), domain_.window_in(cells()), StoredCells::Which::all);
     AllValues const& values = world_.agents.values();
@@ -117,7 +117,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     free_rows_.clear();
   }
 
-  /// After them order_.next() has what the agents are, and the world what they were before.
+  /// Takes all turns of a step. Afterwards order_.next() has the new values, and the world the values before the step.
   void take_turns() {
     has_turns_ = true;
     turns_.begin_step(cells(), world_.agents.size());
@@ -184,7 +184,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   }
 
   [[nodiscard]] Vector place_of(std::uint32_t row) const { return Base::place(world_.agents.values(), row); }
-  /// The agents of a cell, in the order in which they are visited; none where it is not stored.
+  /// Returns the rows of a cell in the order in which they are visited; empty if the cell is not stored.
   [[nodiscard]] Rows rows_in(int cell) const {
     Rows rows;
     add_rows_in(cell, rows);
@@ -193,8 +193,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   void add_rows_in(int cell, Rows& rows) const {
     grid_.for_each_in_cell(cell, [&](std::size_t row) { rows.push_back(static_cast<std::uint32_t>(row)); });
   }
-
-  // Cells in messages.
 
   void add_cells(MessageWriter& message, std::span<int const> some) const {
     std::vector<CellHead> heads;
@@ -211,7 +209,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     add_agents(message, world_.agents.ids().data(), world_.agents.values(), rows);
   }
 
-  /// Puts the agents of a message in the place of those that its cells hold.
+  /// Replaces the agents of the cells of a message by those of the message.
   void take_cells(MessageReader& message) {
     auto const count = message.next<std::uint64_t>();
     auto const agents = message.next<std::uint64_t>();
@@ -232,7 +230,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     }
   }
 
-  /// Empties a cell. Returns rows for the agents that come: who was here keeps its row, which others may know.
+  /// Empties a cell, and returns a row for each of `ids`. Agents that were in the cell before keep their rows, which
+  /// lists of late agents may hold.
   [[nodiscard]] Rows rows_for(int cell, std::span<Id const> ids) {
     std::vector<std::pair<Id, std::uint32_t>> old;
     for (std::uint32_t const row : rows_in(cell)) {
@@ -265,8 +264,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return rows;
   }
 
-  // Late agents.
-
   void take_late_turns() {
     bool is_first = true;
     for (LateTiles const& late : late_tiles_of_all()) {
@@ -277,7 +274,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     }
   }
 
-  /// The tiles of all processes that have late agents, in the order of one process; none where a turn has failed.
+  /// Returns the tiles with late agents of all processes, in the order of their numbers; empty if a turn has failed.
   [[nodiscard]] std::vector<LateTiles> late_tiles_of_all() const {
     MessageWriter own;
     own.add(turns_.has_failed() ? std::uint64_t{1} : 0);
@@ -302,7 +299,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return late;
   }
 
-  /// While others wait: they send cells and get them back. Returns whether a turn has failed.
+  /// Takes the turns of late agents in these tiles, while other processes lend cells. Returns whether a turn has
+  /// failed.
   bool take_late_turns_of(std::span<std::uint32_t const> tiles, bool are_first) {
     std::vector<int> borrowed;  // sorted
     std::function<void(Vector, int, int)> const get_cells = [&](Vector p, int columns, int rows) {
@@ -321,7 +319,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return turns_.has_failed();
   }
 
-  /// Gets the cells around a point that others own, as far as they are not here. Before any late turn the ring is.
+  /// Fetches the cells around a point that other processes own, unless they are borrowed already. `has_ring`: the ring
+  /// around the own tiles is up to date, since no late turn came before.
   void borrow(Vector p, int columns, int rows, bool has_ring, std::vector<int>& borrowed) {
     std::vector<int> asked;
     std::vector<int> missing;
@@ -347,7 +346,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
                    {.first_column = column, .end_column = column + 1, .first_row = row, .end_row = row + 1});
   }
 
-  /// Widens the window of cells that are stored, until it has this one.
+  /// Widens the window of stored cells until it contains `cell`.
   void make_room_for(int cell) {
     int const row = cell / cells().columns();
     if (grid_.stores(cell - row * cells().columns(), row)) return;
@@ -361,9 +360,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     grid_ = std::move(wider);
   }
 
-  // Between two steps.
-
-  /// Lets what was asked for in the turns take effect, in all processes. False where a turn of any has failed.
+  /// Applies the births and deaths of the last turns, in all processes. Returns false if a turn of any process has
+  /// failed.
   bool complete_step() {
     std::size_t const agents = ids_.size();
     auto const follow_cells = [&](IdSet const& dead) {
@@ -379,8 +377,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Finds out which rows do not stay here, and who has to be told of which. The first `agents` rows are no newborn
-  /// ones.
+  /// Finds the rows to be dropped, and the rows to be sent to each process. Rows from `agents` on are newborns.
   void find_movers(std::size_t agents) {
     migration_.begin();
     std::vector<bool> is_own(agents, false);
@@ -392,7 +389,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     for (auto row = static_cast<std::uint32_t>(agents); row < ids_.size(); ++row) this->address(row);
   }
 
-  /// The cells of the next step, which follow from the number of all agents where the model does not fix them.
+  /// Returns the cells of the next step: those that the model fixes, or else cells for the number of all agents.
   [[nodiscard]] CellLayout next_cells() const {
     if constexpr (requires { model_.cells(AgentSums<Model>(world_)); }) {
       return cells();
@@ -401,7 +398,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     }
   }
 
-  /// All processes learn how many agents each tile has, and divide the tiles alike.
+  /// Divides the tiles among the processes by the number of agents in each tile; the result is the same in all
+  /// processes.
   void divide_anew(CellLayout const& layout, IdSet const& dead, std::size_t agents) {
     domain_ = Domain::of_tiles(processes_, layout, [&](auto visit) {
       for (std::uint32_t const row : own_rows_) {
@@ -417,9 +415,9 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   std::vector<Tiling::Round> rounds_;
   TurnsInTiles<Model> turns_;
   PackedGrid grid_;
-  int margin_ = 0;  ///< of the cells that are stored, where late agents have come to others
-  Rows free_rows_;  ///< that no agent has any more
-  Rows own_rows_;   ///< after the turns: of the agents in its tiles
+  int margin_ = 0;  ///< width of the stored cells around the own tiles, if late agents needed more than the ring
+  Rows free_rows_;  ///< rows without an agent
+  Rows own_rows_;   ///< after the turns: the rows of the agents in the own tiles
 };
 
 }  // namespace gridlock

@@ -16,21 +16,23 @@
 
 namespace gridlock {
 
-/// Whether some agents of a model may be too fast for their tile.
+/// Returns whether some agents of a model may move farther than their tile allows.
 template <class Model>
 consteval bool has_late_turns() {
   return requires(Model const& model, Turn<Model> const& turn) { model.is_local(turn, 0.0); };
 }
 
-/// A step of a tiled model: the turns of the agents of each tile, and those of agents that are late.
+/// A step of a tiled model: the turns of the agents of each tile, and then those of late agents, which move too far for
+/// their tile.
 ///
-/// Of turns that fail the first one counts: that of the tile with the lowest number. Tiles behind it need not be taken,
-/// since what comes before does not depend on them. So it is the same for any order of tiles that keeps the order of
-/// colours.
+/// If several turns fail, the failure in the tile with the lowest number is reported. Later tiles may then be skipped,
+/// since earlier tiles do not depend on them. So the reported failure is the same for any order of tiles that keeps the
+/// order of colours.
 template <class Model>
 class TurnsInTiles {
  public:
-  /// What happened in one tile in one step; on cache lines of its own, since threads write to it side by side.
+  /// The result of one tile in one step. Each has its own cache lines, since threads write to several results at the
+  /// same time.
   struct alignas(64) TileResult {
     Counters counters;
     std::vector<std::uint32_t> late;  ///< rows of agents that are not local, in the order of their turns
@@ -38,7 +40,7 @@ class TurnsInTiles {
     std::exception_ptr failure;
   };
 
-  /// `rows` are those of the agents. Contract: every tile is taken, or nothing is asked about it.
+  /// Begins a step for agents in `rows` rows. Contract: result_of(tile) is read only after take_tile(tile).
   void begin_step(CellLayout const& layout, std::size_t rows) {
     if (results_.empty() || layout != layout_) {
       layout_ = layout;
@@ -52,8 +54,8 @@ class TurnsInTiles {
   [[nodiscard]] Tiling const& tiling() const { return tiling_; }
   [[nodiscard]] TileResult const& result_of(std::uint32_t tile) const { return results_[tile]; }
 
-  /// Has the agents of a tile take their turns, save for those that are late. Tiles that Tiling allows may be taken at
-  /// once.
+  /// Takes the turns of the agents of a tile, and lists its late agents. Threads may take tiles of one colour at the
+  /// same time.
   void take_tile(Model const& model, Neighbourhood<Model> around, std::uint32_t tile) {
     TileResult& result = results_[tile];
     result = {.counters = {}, .late = std::move(result.late), .turns = 0, .failure = {}};
@@ -68,8 +70,8 @@ class TurnsInTiles {
     }
   }
 
-  /// Has the late agents of a tile take their turns. Contract: no turn has failed, and those of lower tiles have been
-  /// taken.
+  /// Takes the turns of the late agents of a tile. Contract: no turn has failed, and late agents of lower tiles have
+  /// taken theirs.
   void take_late(Model const& model, Neighbourhood<Model> around, std::uint32_t tile) {
     TileResult& result = results_[tile];
     around.counters = &result.counters;
@@ -81,11 +83,11 @@ class TurnsInTiles {
   }
 
   [[nodiscard]] bool has_failed() const { return first_failure_ != no_failure; }
-  /// The tile of the turn that failed, and what it threw.
+  /// Return the tile of the turn that failed, and the exception that it threw.
   [[nodiscard]] std::uint32_t failed_tile() const { return first_failure_; }
   [[nodiscard]] std::exception_ptr failure() const { return results_[first_failure_].failure; }
 
-  // The state of an agent that processes tell each other.
+  // Processes send each other these flags together with the agents.
 
   [[nodiscard]] std::vector<std::uint8_t> const& has_turned() const { return has_turned_; }
   void set_turned(std::size_t row, std::uint8_t has_turned) {
@@ -110,7 +112,7 @@ class TurnsInTiles {
       for (unsigned s = 0; s < block.count; ++s) waiting |= (has_turned_[block.agent[s]] == 0 ? 1U : 0U) << s;
       return waiting;
     };
-    // An empty cell may name an agent that has died.
+    // A slot of an empty cell may hold the row of a dead agent.
     auto const ids = around.world.agents.ids();
     auto const id_of = [&](std::uint32_t row) { return row < ids.size() ? ids[row] : Id{0}; };
     for (std::size_t of_class = 0; of_class < ClassOrder::classes; ++of_class) {
@@ -143,7 +145,7 @@ class TurnsInTiles {
   CellLayout layout_;
   Tiling tiling_;
   std::vector<TileResult> results_;
-  std::vector<std::uint8_t> has_turned_;                   ///< by row
+  std::vector<std::uint8_t> has_turned_;                   ///< one flag for each row
   std::atomic<std::uint32_t> first_failure_ = no_failure;  ///< the lowest tile in which a turn failed
 };
 

@@ -10,21 +10,20 @@
 
 namespace gridlock {
 
-/// What a search should have found and did not, or the reverse.
+/// A difference between the agents found by a search and by brute force.
 struct SearchDifference {
   std::uint64_t step = 0;
   Vector point;
   double cutoff = 0.0;
   std::size_t found = 0;
   std::size_t expected = 0;
-  Id id = 0;  ///< the first agent in which the two differ
+  Id id = 0;  ///< an agent at the first difference of the sorted Ids
 };
 
-/// Throws RunFailure with the numbers.
 [[noreturn]] void throw_search_difference(SearchDifference const& difference);
 
-/// Compares the agents that a search found with those that a look at every agent finds; throws RunFailure where they
-/// differ. `counts(row)` says whether an agent may be found at all. Cost: O(agents).
+/// Compares the agents that a search found with those that brute force finds; throws RunFailure if they differ.
+/// counts(row) returns whether the search may find the agent of a row. Cost: O(agents).
 template <class Model, class Counts>
 void verify_search(World<Model> const& world, Vector p, double cutoff, std::vector<Id> found, Counts counts) {
   std::vector<Id> expected;

@@ -10,21 +10,20 @@
 
 namespace gridlock {
 
-/// How the agents of a model take their turns.
+/// The order in which agents of a model take their turns.
 enum class Schedule {
-  synchronous,  ///< all at once: everybody sees the world as it was before the step, and changes only itself
-  sequential,   ///< one after the other in the order of the Ids; everybody sees what the others have just done
-  tiled,   ///< the same tile by tile, see Tiling and ClassOrder: far from one another many take their turns at once
-  events,  ///< no turns: the model carries the whole world through a step, one event after the other
+  synchronous,  ///< all at once: an agent reads the world before the step, and changes only itself
+  sequential,   ///< one after the other in the order of the Ids; an agent reads the changes of earlier turns
+  tiled,        ///< one after the other in each tile, tiles far apart at the same time; see Tiling and ClassOrder
+  events,       ///< no turns: the model changes the whole world, one event after the other
 };
 
-/// Where an agent with these values is.
 template <class Agents>
 Vector position_of(typename Agents::Values const& values) {
   return {std::get<Agents::template place_of<X>>(values), std::get<Agents::template place_of<Y>>(values)};
 }
 
-/// Whether the first agents are functions of their numbers, Model::first_agent().
+/// Returns whether the model makes its first agents one by one, by Model::first_agent().
 template <class Model>
 consteval bool has_first_agents() {
   return requires(Model const& model, World<Model> const& world) {
@@ -33,8 +32,8 @@ consteval bool has_first_agents() {
   };
 }
 
-/// The distance to which an agent of the model searches: a number of the model alone, of its world, or of all agents.
-/// `world` has the agents of this process; all that share the agents call it together.
+/// Returns the cutoff of a model, which may depend on its world or on sums over all agents. `world` has the agents of
+/// this process; all processes that share the agents call it together.
 template <class Model>
 double cutoff_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.cutoff(world); };
@@ -47,7 +46,7 @@ double cutoff_of(Model const& model, World<Model> const& world, AllProcesses pro
     return model.cutoff();
   }
 }
-/// The physical time of a step; the same.
+/// Returns the physical time of a step; all processes that share the agents call it together.
 template <class Model>
 double time_step_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.time_step(world); };
@@ -60,7 +59,7 @@ double time_step_of(Model const& model, World<Model> const& world, AllProcesses 
     return model.time_step();
   }
 }
-/// The cells that the model fixes, if it does; the same.
+/// Returns the cells that the model chooses, if any; all processes that share the agents call it together.
 template <class Model>
 std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.cells(world); };
@@ -74,7 +73,8 @@ std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world
   }
 }
 
-/// Whether the cutoff, the time step or the cells of a model may be others in every step: they ask the World.
+/// Returns whether the cutoff, the time step or the cells of a model depend on the World, and so may change in every
+/// step.
 template <class Model>
 consteval bool asks_world_in_every_step() {
   constexpr bool for_cutoff = requires(Model const& model, World<Model> const& world) { model.cutoff(world); };
