@@ -1,6 +1,6 @@
 #pragma once
 
-#include <math.h>  // j0 and j1 of POSIX, which <cmath> need not declare
+#include <math.h>  // POSIX declares j0 and j1 here; <cmath> need not
 
 #include <array>
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace gridlock {
 
-/// J₀(√s), the mean of cos(q·r) over all directions for s = q²r², to within 10⁻⁹.
+/// A table of J₀(√s), the mean of cos(q·r) over all directions for s = q²r², with an error below 10⁻⁹.
 ///
-/// As a function of s it is smooth at 0 and needs no square root: cubic Hermite polynomials between values of the C
-/// library.
-/// Errors of the polynomials: h⁴/384 · max |f⁗| = 10⁻¹⁰ for h = 1/8. Beyond the table the C library itself answers.
+/// As a function of s it is smooth at 0 and needs no square root. The table has cubic Hermite polynomials between
+/// values of the C library.
+/// Error of the polynomials: h⁴/384 · max |f⁗| = 10⁻¹⁰ for h = 1/8. Beyond the table j0() of the C library is called.
 class BesselTable {
  public:
   BesselTable() : pieces_(size) {
@@ -30,13 +30,13 @@ class BesselTable {
   double operator()(double s) const {
     if (!(s < end)) return value(s);
     double const scaled = s * (1.0 / width);
-    auto const k = static_cast<std::int32_t>(scaled);  // what a processor converts in one instruction
+    auto const k = static_cast<std::int32_t>(scaled);  // processors convert to a signed integer in one instruction
     double const t = scaled - static_cast<double>(k);
     auto const& [a, b, c, d] = pieces_[static_cast<std::size_t>(k)];
     return a + t * (b + t * (c + t * d));
   }
 
-  /// The four coefficients of each piece, one after the other.
+  /// The four coefficients of each polynomial, one polynomial after the other.
   [[nodiscard]] double const* pieces() const { return pieces_.front().data(); }
 
   static constexpr std::size_t size = 4096;

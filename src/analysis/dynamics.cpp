@@ -23,18 +23,17 @@ namespace {
 
 constexpr std::size_t lane_count = 8;
 
-/// Eight numbers, which the compiler puts into registers as wide as it has; each lane is added by itself, so that the
-/// sums have the same bits everywhere.
+/// Eight numbers in registers of any width. Lanes are summed singly, so sums have the same bits with every compiler.
 using Eight = double __attribute__((vector_size(lane_count * sizeof(double)), aligned(alignof(double))));
 
-/// Sums over agents, the agents in turns to the lanes.
+/// Sums over agents in lanes: agent k is added to lane k modulo the number of lanes.
 struct Lanes {
   Eight squares{};
   Eight fourths{};
   Eight near{};
 };
 
-/// The same with the lanes added up.
+/// Sums over agents, with all lanes added up.
 struct Sums {
   double squares = 0.0;
   double fourths = 0.0;
@@ -50,7 +49,7 @@ struct Sums {
   }
 };
 
-/// Some agents in all frames: x of a frame side by side, then y.
+/// The coordinates of some agents in all frames: x of all agents of a frame, then y.
 struct AgentBlock {
   std::size_t agents = 0;
   std::vector<double> coordinates;
@@ -59,7 +58,7 @@ struct AgentBlock {
   [[nodiscard]] double const* y(std::size_t frame) const { return x(frame) + agents; }
 };
 
-/// Two frames of a block.
+/// The coordinates of a block of agents in two frames.
 struct Displacements {
   double const* x0;
   double const* y0;
@@ -92,13 +91,13 @@ struct Displacements {
   for (; k + lane_count <= moved.count; k += lane_count) add_eight(moved, k, lane_count, squared_overlap, sums);
   if (std::size_t const rest = moved.count - k; rest > 0) {
     add_eight(moved, k, rest, squared_overlap, sums);
-    // The lanes without an agent count as one that has not moved.
+    // Lanes without an agent have counted as an agent that has not moved.
     for (std::size_t l = rest; l < lane_count; ++l) sums.near[l] -= 1.0;
   }
   lanes = sums;
 }
 
-/// Adds J₀(q |Δr|) of agents from `first` on, the same bits as add_scattering_avx512().
+/// Adds J₀(q |Δr|) of agents from `first` on, with the same bits as add_scattering_avx512().
 void add_scattering_from(std::size_t first, Displacements const& moved, double squared_q, BesselTable const& table,
                          Eight& sums) {
   for (std::size_t k = first; k < moved.count; ++k) sums[k % lane_count] += table(squared_q * moved.squared(k));
@@ -124,8 +123,7 @@ struct Coefficients {
   __m512d c3;
 };
 
-/// The four coefficients of each of eight pieces: eight loads and a transposition, which take a fraction of the time of
-/// gathers.
+/// Loads four coefficients of each of eight polynomials by loads and a transposition, which is faster than gathers.
 GRIDLOCK_AVX512 inline Coefficients coefficients_of(double const* pieces, __m256i piece) {
   alignas(32) std::array<std::int32_t, lane_count> at;
   _mm256_store_si256(reinterpret_cast<__m256i*>(at.data()), _mm256_slli_epi32(piece, 2));
@@ -144,7 +142,7 @@ GRIDLOCK_AVX512 inline Coefficients coefficients_of(double const* pieces, __m256
           _mm512_permutex2var_pd(even_low, second, even_high), _mm512_permutex2var_pd(odd_low, second, odd_high)};
 }
 
-/// The table for eight agents at a time; beyond it one after the other.
+/// Adds J₀(q |Δr|) for eight agents at a time, and one by one for agents beyond the table.
 GRIDLOCK_AVX512 void add_scattering_avx512(Displacements const& moved, double squared_q, BesselTable const& table,
                                            Eight& sums) {
   std::size_t k = 0;
@@ -184,7 +182,7 @@ auto* fastest_add_scattering() {
   return &add_scattering_scalar;
 }
 
-/// Which pairs of a lag have intervals that do not overlap, one after the other from the first.
+/// Returns which pairs of a lag are independent: pairs whose intervals do not overlap, chosen from the first on.
 std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double const> times) {
   std::vector<bool> result(frames.size(), false);
   double free_from = -std::numeric_limits<double>::infinity();
@@ -197,11 +195,11 @@ std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double 
   return result;
 }
 
-/// The sums of one lag and one kind.
+/// The sums of one lag for one kind of agents.
 struct LagSums {
-  Lanes lanes;                  ///< of pairs that are not independent
-  Sums sums;                    ///< of the independent ones, and all scattering
-  std::vector<Sums> by_origin;  ///< of the independent ones alone
+  Lanes lanes;                  ///< sums over pairs of frames that are not independent
+  Sums sums;                    ///< sums over independent pairs, and scattering of all pairs
+  std::vector<Sums> by_origin;  ///< sums of each independent pair
 
   [[nodiscard]] Sums total() const {
     Sums total = sums;
@@ -254,7 +252,7 @@ class Walk {
     return result;
   }
 
-  /// All frames of a block stay in the second cache while the pairs of frames are walked.
+  /// Number of agents of which all frames stay in the second cache while the pairs of frames are visited.
   [[nodiscard]] std::size_t block_size() const {
     std::size_t const fits = (std::size_t{1} << 20) / (2 * sizeof(double) * trajectory_.frames);
     return std::clamp<std::size_t>(fits / lane_count * lane_count, 2 * lane_count, 4096);
@@ -318,7 +316,7 @@ class Walk {
     return sum;
   }
 
-  /// The error of a mean from what each independent origin has given.
+  /// Returns the mean with its standard error from the values of the independent pairs.
   template <class Value>
   static Estimate estimate(double mean, std::vector<Sums> const& by_origin, Value value) {
     BlockAverage average;
@@ -338,7 +336,7 @@ class Walk {
         return estimate(sum / pairs, lags[l].by_origin, [&](Sums const& origin) { return origin.*member / agents; });
       };
       result.squared_displacement.push_back(mean(total.squares, &Sums::squares));
-      // The change of the ratio with its two means, to first order; without any motion there is no ratio.
+      // The ratio changes with its two means to first order. Without any motion the ratio is undefined.
       bool const is_defined = second > 0.0;
       result.non_gaussian.push_back(
           estimate(is_defined ? fourth / (2.0 * second * second) - 1.0 : std::numeric_limits<double>::quiet_NaN(),

@@ -12,10 +12,10 @@ namespace gridlock {
 
 namespace {
 
-/// Above it the pairs of frames take more than 256 MiB.
+/// Largest number of frames at uneven times; with more, the pairs of frames would take more than 256 MiB.
 constexpr std::size_t max_uneven_frames = 8192;
 
-/// The shortest time between frames. Errors: as lags_between().
+/// Returns the shortest time between frames. Errors: as lags_between().
 double shortest_gap(std::span<double const> times) {
   if (times.size() < 2) {
     throw Error(
@@ -41,7 +41,7 @@ bool are_even(std::span<double const> times, double tolerance) {
   return true;
 }
 
-/// Which of ascending lags are nearest to times even in the logarithm.
+/// Returns the indices of the lags, which ascend, that are nearest to values evenly spaced in the logarithm.
 std::vector<std::size_t> chosen_lags(std::vector<double> const& lags, std::size_t most) {
   std::vector<std::size_t> chosen;
   double const ratio = lags.back() / lags.front();

@@ -8,12 +8,12 @@
 
 namespace gridlock {
 
-/// The pairs of frames between which the same time passes, in the order of their origins.
+/// The pairs of frames with the same lag, in the order of their origins.
 class FramesOfLag {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-  /// Frames that are `offset` apart, among `frames` even ones.
+  /// Takes the pairs that are `offset` frames apart, of `frames` frames at even times.
   FramesOfLag(double lag, std::size_t offset, std::size_t frames)
       : lag_(lag), offset_(offset), count_(frames - offset) {}
   FramesOfLag(double lag, std::vector<Pair> pairs) : lag_(lag), count_(pairs.size()), pairs_(std::move(pairs)) {}
@@ -29,14 +29,14 @@ class FramesOfLag {
   double lag_;
   std::size_t offset_ = 0;
   std::size_t count_;
-  std::vector<Pair> pairs_;  ///< none where the frames are even
+  std::vector<Pair> pairs_;  ///< empty where frames are at even times
 };
 
-/// All lags above 0 between frames at ascending times, ascending; lags that differ by less than a thousandth of the
-/// shortest time between frames are one. Of more than `most` lags only those nearest to times even in the logarithm; 0
-/// for all.
-/// Errors: Error for fewer than two frames, times that do not ascend or are not finite, and too many frames that are
-/// not even.
+/// Returns the lags above 0 between frames at ascending times, in ascending order. Lags that differ by less than a
+/// thousandth of the shortest time between frames are one lag. Of more than `most` lags only those nearest to values
+/// evenly spaced in the logarithm are returned; `most` = 0 returns all.
+/// Errors: Error for fewer than two frames, for times that do not ascend or are not finite, and for too many frames at
+/// uneven times.
 std::vector<FramesOfLag> lags_between(std::span<double const> times, std::size_t most);
 
 }  // namespace gridlock

@@ -18,16 +18,16 @@ namespace gridlock {
 namespace {
 
 constexpr std::size_t batch = 8;
-constexpr std::size_t max_bins = 10'000'000;  ///< of all pairs of kinds
+constexpr std::size_t max_bins = 10'000'000;  ///< limit of the bins of all pairs of kinds together
 
-/// How distances become bins: bin `bins` is for all that are not in the range.
+/// The conversion of distances to bins; bin number `bins` counts distances out of the range.
 struct Binning {
   double bins_per_length;
   double bins;
-  Box const* box;  ///< where images matter
+  Box const* box;  ///< the box where distances are those of nearest images, else nullptr
 };
 
-/// The bins of up to eight points as seen from p.
+/// Finds the bins of the distances from p to up to eight points.
 void find_bins_scalar(Binning const& binning, Vector p, double const* x, double const* y, std::size_t count,
                       std::int32_t* bins) {
   for (std::size_t k = 0; k < count; ++k) {
@@ -62,7 +62,7 @@ auto* fastest_find_bins() {
   return &find_bins_scalar;
 }
 
-/// Pairs of every two kinds by bins, with one bin more for those that are not in the range.
+/// Numbers of pairs of every two kinds in bins; one further bin counts pairs out of the range.
 class Histogram {
  public:
   Histogram(Box const& box, SortedPoints const& points, std::vector<std::uint32_t> const& kind_of_row,
@@ -74,7 +74,7 @@ class Histogram {
         stride_(bins + 1),
         bins_per_length_(static_cast<double>(bins) / range) {}
 
-  /// Counts all pairs whose first point is in a row of cells from `first` to `end` − 1.
+  /// Counts all pairs whose first point is in rows of cells `first` … `end` − 1.
   [[nodiscard]] std::vector<std::uint64_t> count(int first, int end) const {
     CellLayout const& layout = points_.layout();
     RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
@@ -96,7 +96,7 @@ class Histogram {
                           .bins = static_cast<double>(stride_ - 1),
                           .box = block.is_at_edge ? &box_ : nullptr};
     for (std::size_t row = points_.first_of(cell); row < points_.first_of(cell + 1); ++row) {
-      // The own cell comes first: pairs in it are found from the row that comes first.
+      // The point's own cell is first in the block: its pairs are counted at the row that comes first.
       if (is_half) block.rows[0].first = row + 1;
       std::uint64_t* const from = counts.data() + kind_of_row_[row] * kinds_ * stride_;
       for (RowRange range : block.ranges()) {
@@ -147,7 +147,7 @@ void require(Box const& box, PointsInMemory const& points, double range, std::si
                            max_bins)});
 }
 
-/// g of counts of pairs that were seen from either point.
+/// Returns g(r) from counts of pairs, each counted once.
 PairCorrelations normalized(Box const& box, double range, std::size_t bins, std::span<std::uint64_t const> counts,
                             std::vector<double> const& points) {
   PairCorrelations result{.kinds = points.size(), .distance = {}, .g = {}};

@@ -1,7 +1,7 @@
 #include "gridlock/analysis/spectral_density.hpp"
 
 #include <fmt/format.h>
-#include <math.h>  // j1 of POSIX, which <cmath> need not declare
+#include <math.h>  // POSIX declares j1 here; <cmath> need not
 
 #include <algorithm>
 #include <cmath>
@@ -21,12 +21,12 @@ constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr std::size_t max_bins_of_spectrum = 10'000'000;
 constexpr double max_vectors = 1e8;
 
-/// Disks in the order of their radii, so that those of one radius share a form factor.
+/// Disks in the order of their radii, so that disks of equal radius share a form factor.
 struct SortedDisks {
   std::vector<double> x;
   std::vector<double> y;
-  std::vector<double> radii;       ///< that differ
-  std::vector<std::size_t> begin;  ///< of the disks of each radius; one entry more
+  std::vector<double> radii;       ///< the different radii
+  std::vector<std::size_t> begin;  ///< index of the first disk of each radius, and the number of disks
 
   SortedDisks(PointsInMemory const& points, std::span<double const> radius) {
     std::vector<std::size_t> order(points.count);
@@ -44,7 +44,7 @@ struct SortedDisks {
   }
 };
 
-/// exp(i q·r_j) of all disks for the wave vectors of one column, row after row.
+/// exp(i q·r_j) of all disks, for the wave vectors of one column, row by row.
 class Waves {
  public:
   Waves(Box const& box, SortedDisks const& disks, std::int64_t column, std::int64_t row) {
@@ -67,7 +67,7 @@ class Waves {
     }
   }
 
-  /// |Σ m(q R_j) exp(i q·r_j)|² with m = 2π R J₁(q R)/q.
+  /// Returns |Σ m(q R_j) exp(i q·r_j)|² with m = 2π R J₁(q R)/q.
   [[nodiscard]] double power(SortedDisks const& disks, double q) const {
     double real = 0.0;
     double imaginary = 0.0;
@@ -93,7 +93,7 @@ class Waves {
   std::vector<double> step_imaginary_;
 };
 
-/// The wave vectors of one column that are in the rings: their lengths and powers.
+/// The lengths and the powers of the wave vectors of one column that lie in the rings.
 struct Column {
   std::vector<double> lengths;
   std::vector<double> powers;
@@ -104,7 +104,7 @@ Column powers_of_column(Box const& box, SortedDisks const& disks, std::int64_t c
   double const along_x = two_pi / box.width() * static_cast<double>(column);
   double const left = std::sqrt(std::max(0.0, largest * largest - along_x * along_x));
   auto const last = static_cast<std::int64_t>(left * box.height() / two_pi) + 1;
-  // One of every two opposite vectors, and not 0.
+  // Opposite vectors have equal powers, so one of the two is used; 0 is left out.
   std::int64_t const first = column == 0 ? 1 : -last;
   Waves waves(box, disks, column, first);
   for (std::int64_t row = first; row <= last; ++row) {
@@ -134,7 +134,7 @@ void require_spectrum(Box const& box, PointsInMemory const& points, std::span<do
     refuse(fmt::format("the largest wave number is {}", largest), "use a number above 0");
   if (bins == 0 || bins > max_bins_of_spectrum)
     refuse(fmt::format("the spectral density has {} bins", bins), fmt::format("use 1 to {}", max_bins_of_spectrum));
-  // Half of the circle.
+  // Half of the circle of wave vectors is used.
   double const vectors = 0.5 * std::numbers::pi * largest * largest * box.area() / (two_pi * two_pi);
   if (vectors > max_vectors) {
     refuse(
@@ -151,7 +151,7 @@ SpectralDensity find_spectral_density(Box const& box, PointsInMemory const& poin
   require_box_for(box, 0.0);
   require_spectrum(box, points, radii, largest_wave_number, bins);
   SortedDisks const disks(points, radii);
-  // Rounding must not cost the vectors at the end of the last ring.
+  // A factor above 1 keeps rounding from excluding the vectors at the end of the last ring.
   double const largest = largest_wave_number * (1.0 + 1e-12);
   std::vector<Column> columns(static_cast<std::size_t>(largest * box.width() / two_pi) + 1);
   ThreadPool pool(threads);

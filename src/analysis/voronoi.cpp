@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-/// About two points a cell, cells as square as the box allows.
+/// Returns a grid of cells with about two points each, as square as the box allows.
 CellLayout layout_for(Box const& box, std::size_t points) {
   auto const cells = std::max(1.0, 0.5 * static_cast<double>(points));
   double const side = std::sqrt(box.area() / cells);
@@ -26,14 +26,14 @@ CellLayout layout_for(Box const& box, std::size_t points) {
   return {box, along(box.width()), along(box.height())};
 }
 
-/// The results of a band of cells, in the order of its rows.
+/// Neighbours, their number, and areas of the points of a band of grid cells, in the order of its rows.
 struct Band {
   std::vector<std::uint32_t> neighbours;
   std::vector<std::uint32_t> counts;
   std::vector<double> areas;
 };
 
-/// Makes the cells of the points in a range of rows of grid cells.
+/// Makes the Voronoi cells of the points in a range of rows of grid cells.
 class CellMaker {
  public:
   CellMaker(Box const& box, SortedPoints const& points)
@@ -69,7 +69,7 @@ class CellMaker {
   void make_polygon(std::size_t k, int column, int row) {
     Vector const p{points_.x()[k], points_.y()[k]};
     if (box_.is_periodic()) {
-      // The bisectors with its own images left, right, above and below.
+      // The bisectors with the point's own images left, right, above and below.
       Vector const half = 0.5 * Vector{box_.width(), box_.height()};
       polygon_.begin(-1.0 * half, half, points_.index(k));
     } else {
@@ -83,8 +83,8 @@ class CellMaker {
     }
   }
 
-  /// All points nearer than this are in the rings so far. Images more than a whole side away cut nothing: another image
-  /// of the same point is nearer to every place of the cell.
+  /// Returns the distance within which all points are in the rings so far. Images more than a whole side away do not
+  /// cut: another image of the same point is nearer to every place of the cell.
   [[nodiscard]] double distance_seen(Vector p, int column, int row, int ring) const {
     double seen = std::numeric_limits<double>::infinity();
     if (ring < layout_.columns()) {
@@ -109,7 +109,7 @@ class CellMaker {
     }
   }
 
-  /// Cuts by the points of a cell, which may be the image of one.
+  /// Cuts the polygon of point k by the points of a grid cell, which may be an image of a cell.
   void cut_by_cell(std::size_t k, Vector p, int column, int row) {
     Vector shift{};
     if (box_.is_periodic()) {
@@ -130,7 +130,7 @@ class CellMaker {
     }
   }
 
-  /// Brings a number of a cell into 0 … count − 1; returns how many boxes away it was.
+  /// Wraps a column or row of cells into 0 … count − 1. Returns the number of boxes by which it was outside.
   static int wrap(int& number, int count) {
     int boxes = 0;
     for (; number < 0; number += count) --boxes;
@@ -164,7 +164,7 @@ void require_inside_walls(Box const& box, PointsInMemory const& points) {
   }
 }
 
-/// The lists of all bands in the order of the points.
+/// Returns the lists of all bands in the order of the points.
 VoronoiCells collected(std::vector<Band> const& bands, SortedPoints const& points, std::size_t count) {
   VoronoiCells cells{.neighbours = {.begin = std::vector<std::uint64_t>(count + 1, 0), .neighbours = {}},
                      .areas = std::vector<double>(count)};
@@ -188,7 +188,7 @@ VoronoiCells collected(std::vector<Band> const& bands, SortedPoints const& point
   return cells;
 }
 
-/// Drops neighbours that only one of the two knows, for an edge near the limit of what counts.
+/// Removes a neighbour from a list if the neighbour's list lacks the point: their edge is at the tolerance.
 void make_mutual(NeighbourLists& lists) {
   std::size_t const count = lists.begin.size() - 1;
   auto const knows = [&](std::uint32_t i, std::uint32_t j) {

@@ -14,7 +14,7 @@ std::vector<double> local_bond_orientation_orders(Box const& box, PointsInMemory
     double directions = 0.0;
     for (std::uint64_t k = neighbours.begin[i]; k < neighbours.begin[i + 1]; ++k) {
       Vector const separation = box.displacement(place(i), place(neighbours.neighbours[k]));
-      if (!(squared_length(separation) > 0.0)) continue;  // its own image in a box of few points
+      if (!(squared_length(separation) > 0.0)) continue;  // an image of the point itself, in a box of few points
       sum += sixth_power_of_direction(separation);
       directions += 1.0;
     }

@@ -11,17 +11,17 @@
 
 namespace gridlock {
 
-/// A convex polygon around the origin that half planes cut, counterclockwise.
+/// A convex polygon around the origin, cut by half planes; corners are counterclockwise.
 class VoronoiPolygon {
  public:
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
   struct Corner {
     Vector at;
-    std::uint32_t neighbour;  ///< whose half plane has cut the edge that begins here
+    std::uint32_t neighbour;  ///< index of the point whose bisector is the edge that begins here
   };
 
-  /// The rectangle from `least` to `most`, whose edges belong to `neighbour`.
+  /// Begins with the rectangle from `least` to `most`, whose edges belong to `neighbour`.
   void begin(Vector least, Vector most, std::uint32_t neighbour) {
     corners_.clear();
     for (Vector const at : {least, Vector{most.x, least.y}, most, Vector{least.x, most.y}}) {
@@ -30,20 +30,20 @@ class VoronoiPolygon {
     measure();
   }
 
-  /// Leaves what is nearer to the origin than to the point `separation`.
+  /// Removes the part that is nearer to the point `separation` than to the origin.
   void cut(Vector separation, std::uint32_t neighbour) {
     double const square = squared_length(separation);
     if (square >= 4.0 * squared_radius_) return;
     double farthest = 0.0;
     for (Corner const& corner : corners_) farthest = std::max(farthest, dot(separation, corner.at));
-    // A bisector that only touches a corner up to rounding does not cut.
+    // A bisector that only touches a corner, up to rounding, does not cut.
     if (farthest <= square * (0.5 + tolerance)) return;
     beyond_.clear();
     for (Corner const& corner : corners_) beyond_.push_back(dot(separation, corner.at) - 0.5 * square);
     replace(tolerance * square, neighbour);
   }
 
-  /// The square of the distance of the farthest corner.
+  /// The squared distance of the farthest corner from the origin.
   [[nodiscard]] double squared_radius() const { return squared_radius_; }
 
   [[nodiscard]] double area() const {
@@ -52,7 +52,7 @@ class VoronoiPolygon {
     return 0.5 * twice;
   }
 
-  /// Calls visit(neighbour) for every edge that is not shorter than 10⁻⁹ of the polygon.
+  /// Calls visit(neighbour) for every edge that is at least 10⁻⁹ of the polygon's size long.
   template <class Visit>
   void for_each_neighbour(Visit visit) const {
     for (std::size_t k = 0; k < corners_.size(); ++k) {
@@ -68,7 +68,7 @@ class VoronoiPolygon {
   static double cross(Vector a, Vector b) { return a.x * b.y - a.y * b.x; }
   [[nodiscard]] Corner const& after(std::size_t k) const { return corners_[k + 1 == corners_.size() ? 0 : k + 1]; }
 
-  /// Cuts off all corners that are beyond the bisector by more than the tolerance.
+  /// Replaces all corners that are beyond the bisector by more than the tolerance.
   void replace(double limit, std::uint32_t neighbour) {
     kept_.clear();
     for (std::size_t k = 0; k < corners_.size(); ++k) {
@@ -77,7 +77,7 @@ class VoronoiPolygon {
       bool const is_next_inside = beyond_[next] <= limit;
       if (is_inside) kept_.push_back(corners_[k]);
       if (is_inside == is_next_inside) continue;
-      // A corner within the tolerance may lie a little beyond.
+      // A corner within the tolerance may lie slightly beyond.
       double const share = std::clamp(beyond_[k] / (beyond_[k] - beyond_[next]), 0.0, 1.0);
       Vector const crossing = corners_[k].at + share * (corners_[next].at - corners_[k].at);
       kept_.push_back({crossing, is_inside ? neighbour : corners_[k].neighbour});

@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-/// |z|, by operations that every processor and library rounds alike, which std::abs() is not.
+/// Returns |z| by operations that every processor and library rounds alike; std::abs() is not one of them.
 double magnitude(std::complex<double> z) { return std::sqrt(z.real() * z.real() + z.imag() * z.imag()); }
 
 double neighbour_distance(Box const& box, std::size_t agents) {
@@ -26,16 +26,16 @@ double neighbour_distance(Box const& box, std::size_t agents) {
   return std::min(cutoff, 0.5 * std::min(box.width(), box.height()));
 }
 
-/// Components of exp(6 i θ), |component| ≤ 1, as whole numbers of which N can be added in any order and neither round
-/// nor overflow: in units of 2^(b − 62), where N < 2^b. So a component is off by half of that at most: 1e-13 for a
-/// million agents, less than the rounding of the component itself below 500.
+/// Sums of exp(6 i θ) for each agent, as whole numbers, so that N terms can be added in any order without rounding or
+/// overflow. The unit is 2^(b − 62) with N < 2^b. The error of a component is at most half of that: 1e-13 for a million
+/// agents; below 500 agents it is less than the rounding of the component itself.
 class BondSums {
  public:
   /// Makes the sums of `agents`, which are some of `all`.
   BondSums(std::size_t agents, std::size_t all)
       : units_(std::ldexp(1.0, 62 - static_cast<int>(std::bit_width(all)))), sums_(agents), counts_(agents) {}
 
-  /// A bond of two agents: six is even, so that the direction back gives the same number.
+  /// Adds a bond to both agents: the opposite direction gives the same number, since six is even.
   void add(std::size_t i, std::size_t j, std::complex<double> bond) {
     std::int64_t const real = in_units(bond.real());
     std::int64_t const imaginary = in_units(bond.imag());
@@ -45,7 +45,7 @@ class BondSums {
       ++counts_[agent];
     }
   }
-  /// The mean of the bonds of an agent; 0 without any.
+  /// Returns the mean over the bonds of an agent; 0 for no bonds.
   [[nodiscard]] std::complex<double> mean(std::size_t i) const {
     if (counts_[i] == 0) return {};
     double const all = units_ * static_cast<double>(counts_[i]);
@@ -62,12 +62,12 @@ class BondSums {
     return static_cast<std::int64_t>(scaled + std::copysign(0.5, scaled));
   }
 
-  double units_;  ///< in 1
+  double units_;  ///< number of units in 1
   std::vector<Sum> sums_;
   std::vector<std::uint32_t> counts_;
 };
 
-/// The bonds of each agent with its neighbours k, exp(6 i θ_jk), whose mean is its ψ6.
+/// Returns the sums of exp(6 i θ_jk) over the neighbours k of each agent j; their mean is ψ6(j).
 BondSums bonds_of(LocalPoints const& points, std::size_t all) {
   BondSums bonds(points.size(), all);
   points.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {

@@ -11,51 +11,49 @@
 
 namespace gridlock {
 
-/// The sixfold order of a state at one time.
+/// The sixfold order of a state, from 0 to 1.
 struct BondOrientationOrder {
   double global_order = 0.0;
   double local_order = 0.0;
 };
 
-/// How far the directions to nearest neighbours agree on the same triangular lattice.
+/// How well the directions to nearest neighbours agree with one triangular lattice.
 ///
 ///     ψ6(j)  = (1/n_j) Σ_k exp(6 i θ_jk)        over the n_j neighbours k of agent j, θ_jk the direction from j to k
 ///     global = |(1/N) Σ_j ψ6(j)|                1: one crystal;  0: liquid, or many grains
 ///     local  = (1/N) Σ_j |ψ6(j)|                1: every agent sits in a regular hexagon
 ///
-/// Neighbours are nearer than 1.5 a, a = √(2/(√3 ρ)) the spacing of the triangular lattice of density ρ = N/A: midway
-/// between its first shell (a) and its second (1.73 a); in a periodic box at most half the shorter side, which only
-/// matters below about 11 agents. An agent without neighbours counts with ψ6 = 0. Both are 0 for
-/// the square lattice, whose eight neighbours cancel.
-/// exp(6 i θ) is the third power of the complex number (Δx + iΔy)²/|Δr|²: no trigonometry, no square root.
-/// Absent for no agents. Cost: O(N), about 0.2 µs an agent.
+/// Neighbours are nearer than 1.5 a, where a = √(2/(√3 ρ)) is the spacing of the triangular lattice of density ρ = N/A:
+/// midway between its first shell (a) and its second (1.73 a). In a periodic box the cutoff is at most half the shorter
+/// side, which matters below about 11 agents. An agent without neighbours has ψ6 = 0. Both orders are 0 for the square
+/// lattice, whose eight neighbours cancel. Returns nothing for no agents. Cost: O(N), about 0.2 µs an agent.
 /// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457. Bonds are added as whole numbers, so
-/// that ψ6 depends on no order: a component of exp(6 i θ) is rounded to N·2⁻⁶¹ or less, 1e-12 of a million agents at
-/// most, and even N bonds do not overflow.
+/// that ψ6 does not depend on their order: a component of exp(6 i θ) is rounded to at most N·2⁻⁶¹, 1e-12 for a million
+/// agents.
 /// Contract: the agents have x and y.
 std::optional<BondOrientationOrder> bond_orientation_order(Snapshot const& now);
 inline std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
   return bond_orientation_order(Snapshot(state, Counters()));
 }
 
-/// |ψ6(j)| of each agent, in the order of the rows. Contract: the agents have x and y.
+/// Returns |ψ6(j)| of each agent, in the order of the rows. Contract: the agents have x and y.
 std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents);
 inline std::vector<double> local_bond_orientation_orders(State const& state) {
   return local_bond_orientation_orders(state.box, state.agents);
 }
 
-/// exp(6 i θ) of the direction of a vector that is not zero; no trigonometry.
+/// Returns exp(6 i θ) for the angle θ of a vector that is not zero, without trigonometry.
 inline std::complex<double> sixth_power_of_direction(Vector r) {
   double const squared = squared_length(r);
   // (x + iy)² / |r|², a unit vector at twice the angle.
   double const c = (r.x - r.y) * (r.x + r.y) / squared;
   double const s = 2.0 * r.x * r.y / squared;
-  // Its third power.
+  // The third power of c + is.
   return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
 }
 
-/// bond_orientation_order() along a run: the columns global_bond_orientation_order and local_bond_orientation_order,
-/// averaged over the samples the StructureSchedule measures; the others have empty cells.
+/// Samples of bond_orientation_order() along a run: the columns global_bond_orientation_order and
+/// local_bond_orientation_order, averaged over the samples that StructureSchedule selects; other cells are empty.
 class BondOrientation final : public AveragingObservable {
  public:
   explicit BondOrientation(std::uint64_t every) : schedule_(every) {}

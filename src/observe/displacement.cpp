@@ -19,7 +19,7 @@ std::vector<ColumnInfo> Displacement::columns() const {
 
 namespace {
 
-/// The edges that an agent has crossed; those of agents without such a column are never crossed.
+/// The numbers of edges that an agent has crossed; 0 for agents without such a column.
 template <class Image>
 class Crossings {
  public:
@@ -36,7 +36,7 @@ class Crossings {
 
 Requirements Displacement::requirements(Box const& box) const {
   if (!box.is_periodic()) return {.columns = {X::name, Y::name}};
-  // Without them nobody knows how often an agent has gone around.
+  // Without image columns it is unknown how often an agent has crossed the box.
   return {.columns = {X::name, Y::name, ImageX::name, ImageY::name}};
 }
 

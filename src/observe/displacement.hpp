@@ -13,29 +13,27 @@
 
 namespace gridlock {
 
-/// How far the agents have come from where they were at begin(). Needs x and y, in a periodic box image_x and image_y
-/// too.
+/// The displacements of the agents since begin(). Needs x and y, in a periodic box also image_x and image_y.
 ///
 ///     mean_displacement         = (1/N) Σ_i |u_i| / √A                    fraction of the side √A of the box
 ///     mean_squared_displacement = (1/N) Σ_i u_i²                          length²
 ///     centre_displacement       = |(1/N) Σ_i u_i| / √A                    fraction of the side √A of the box
 ///     u_i = r_i − r_i(begin) + (n_x W, n_y H)
 ///
-/// (n_x, n_y) counts the periodic edges crossed since begin(), so a disk that goes once around a periodic box has moved
-/// by its whole side. Only agents alive since begin() enter.
+/// (n_x, n_y) is the number of periodic edges crossed since begin(): a disk that goes once around a periodic box has
+/// moved by its whole side. Only agents alive since begin() are counted.
 ///
-/// The drift of the centre is not taken out of the first two. In a periodic box it is large under a rule that halts
-/// disks (`stepped`, `tiled`): halting keeps the momentum, but not the motion of the centre, and which disks halt
-/// depends on the order of the turns. It is no physics, and goes away with the time step: docs/explanation/paper.md,
-/// "In a periodic box". What is left without it is about the centre: √(mean_squared_displacement/A −
-/// centre_displacement²), of the side, is the root mean square. The centre is that of the places, every disk alike; of
-/// mass where all masses are equal.
+/// The first two include the drift of the centre. In a periodic box the drift is large under a rule that halts disks
+/// (`stepped`, `tiled`): halting keeps the momentum, but not the motion of the centre, and which disks halt depends on
+/// the order of the turns. This drift is not physical and vanishes with the time step: docs/explanation/paper.md, "In a
+/// periodic box". Without it the root mean square is √(mean_squared_displacement/A − centre_displacement²), in sides.
+/// The centre is the mean position, every disk alike; it is the centre of mass where all masses are equal.
 ///
-/// Results are the values of the last sample, whether it counts for averages or not: all grow with time and have no
-/// average. The standard error of the first two comes from 16 blocks of agents with neighbouring Ids, which neighbours
-/// share on a lattice start; it is the uncertainty of this one trajectory from the scatter between regions, and too
-/// small where the whole system moves together. Errors over seeds are safer. That of the centre has none: there is but
-/// one.
+/// Results are the values of the last sample, whether or not it counts for averages: all grow with time, so averages
+/// have no meaning. The standard error of the first two comes from 16 blocks of agents with neighbouring Ids, which are
+/// neighbours in space after a lattice start. It is the uncertainty of this one trajectory from the scatter between
+/// regions, and too small where the whole system moves together; errors over seeds are safer. The centre has no error,
+/// because there is only one.
 /// Cost: one pass over the agents, one square root each. Memory: 32 bytes an agent.
 /// Source: the mean displacement is J.-X. Shen's measure of jamming, Agent based simulations and optimization with
 /// uniform grid applied to colloidal jamming transitions; the mean square is A. Einstein's (1905),
@@ -59,7 +57,7 @@ class Displacement final : public Observable {
     std::int32_t image_y;
   };
 
-  Attached<Site> sites_;  ///< at begin()
+  Attached<Site> sites_;  ///< position of each agent at begin()
   IdBlocks blocks_;
   std::array<Block, agent_blocks> length_{};          ///< Σ |u| of the last sample, in units of the side
   std::array<Block, agent_blocks> squared_length_{};  ///< Σ u² of the last sample

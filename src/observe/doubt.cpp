@@ -18,7 +18,7 @@ double mean_of(std::span<double const> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// The means of the blocks, less their mean.
+/// Returns the means of the blocks minus the mean of all.
 std::array<double, blocks> deviations_of(std::span<double const> series) {
   std::size_t const size = series.size() / blocks;
   std::array<double, blocks> deviations{};
@@ -32,7 +32,7 @@ std::array<double, blocks> deviations_of(std::span<double const> series) {
 
 std::optional<Doubt> find_doubt(std::span<double const> left_out, std::span<double const> kept) {
   if (kept.size() < 2 * blocks) return std::nullopt;
-  // A block is not to end in the middle of a sample: what is too much goes to the start, where it matters least.
+  // Blocks are equally long. Samples left over are dropped at the start, where they matter least.
   std::array<double, blocks> const deviations = deviations_of(kept.subspan(kept.size() % blocks));
   double squares = 0.0;
   double fourth_powers = 0.0;
@@ -44,7 +44,7 @@ std::optional<Doubt> find_doubt(std::span<double const> left_out, std::span<doub
     if (b > 0) neighbours += deviations[b] * deviations[b - 1];
   }
   double const mean = mean_of(kept);
-  // A series that is constant but for rounding hides nothing.
+  // A series that is constant up to rounding gives no doubt.
   double const error = std::sqrt(squares / static_cast<double>(blocks * (blocks - 1)));
   if (!(error > 1e-13 * std::abs(mean))) return std::nullopt;
   std::span<double const> const late = left_out.subspan(left_out.size() / 2);

@@ -5,17 +5,17 @@
 
 namespace gridlock {
 
-/// The energy, which elastic dynamics must keep.
+/// The energy, which elastic dynamics conserves.
 ///
 ///     kinetic_energy       = ½ Σ_i m_i v_i²                            mass · length² / time²
 ///     kinetic_energy_drift = (K(t) − K(begin)) / K(begin)              pure number
 ///
-/// kinetic_energy is averaged over samples; where the dynamics keeps the energy its error is rounding. The drift's
-/// result is that of the last sample, a fact of this trajectory that has no standard error; undefined for disks at
-/// rest at begin().
+/// kinetic_energy is averaged over samples; where the dynamics conserves it, its error is rounding. The result of the
+/// drift is its last sample; as a fact of one trajectory it has no standard error. It is undefined for disks at rest at
+/// begin().
 /// Cost: one pass over the disks.
-/// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), chapter 4, for the drift as the first
-/// thing to look at.
+/// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), chapter 4, recommends to check the drift
+/// first.
 class Energy final : public AveragingObservable {
  public:
   [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {

@@ -26,7 +26,7 @@ std::optional<Estimate> estimate_from(std::span<Block const> blocks) {
     scatter += deviation * deviation;
   }
   double const room = total.weight * total.weight - squared_weights;
-  // Blocks so unequal that all others vanish beside one are as good as one block.
+  // With blocks so unequal that one outweighs all others there is effectively one block, and no error.
   if (room > 0.0) estimate.error = std::sqrt(scatter / room);
   return estimate;
 }

@@ -39,7 +39,7 @@ void IdIndex::serialize(Archive& archive) {
   if (!archive.is_restoring()) return;
   std::vector<Id> sorted = ids;
   std::ranges::sort(sorted);
-  // No Id is given twice either: without gaps the last one would tell another number of Ids.
+  // With duplicates the constructor, which compares the last Id with the number of Ids, could miss a gap.
   archive.require(std::ranges::adjacent_find(sorted) == sorted.end(), "two agents have one name");
   *this = IdIndex(ids);
 }

@@ -15,27 +15,27 @@ namespace gridlock {
 
 namespace {
 
-/// A point on its way.
+/// A point in a message.
 struct SentPoint {
   double x;
   double y;
   std::uint64_t is_of_rim;
 };
 
-/// Points of some cells of the box, and after them those of the cells around.
+/// Points in some cells of the box, followed by the points in the cells around.
 struct PointsOfCells {
   std::vector<double> x;
   std::vector<double> y;
-  std::size_t own = 0;  ///< how many lie in the cells themselves
-  CellWindow window;    ///< of all their cells
+  std::size_t own = 0;  ///< number of points in the cells themselves
+  CellWindow window;    ///< the cells and those around
 };
 
-/// All points of the rectangle of this process, and those around as far as the cutoff reaches; every point is an own
-/// one of one process. (x[i], y[i]) are points of this process anywhere.
+/// Returns all points in the rectangle of this process and around it within the cutoff; each point is in the rectangle
+/// of one process. (x[i], y[i]) are the points that this process has, anywhere in the box.
 PointsOfCells points_of_rectangle(Communicator& processes, CellLayout const& layout, double cutoff,
                                   std::span<double const> x, std::span<double const> y) {
   Domain const domain = Domain::of_cells(processes, layout, cutoff, x, y);
-  // A point at the end of a rim may lie in the cell behind it, as numbers round.
+  // By rounding, a point at the end of a rim may lie in the next cell, so the rim is one cell wider.
   int const rim = std::max(layout.columns_within(cutoff), layout.rows_within(cutoff)) + 1;
   PointsOfCells points{.x = {}, .y = {}, .own = 0, .window = domain.own_window(rim)};
   std::vector<SentPoint> of_rim;
@@ -65,8 +65,7 @@ PointsOfCells points_of_rectangle(Communicator& processes, CellLayout const& lay
   return points;
 }
 
-/// Puts points first … end − 1 in the order of their cells: points that are near one another in memory, too, are found
-/// five times as fast.
+/// Sorts points first … end − 1 by cell: a search is five times as fast if near points are near in memory.
 void put_in_order_of_cells(CellLayout const& layout, PointsOfCells& points, std::size_t first, std::size_t end) {
   std::vector<std::uint64_t> cells(end - first);
   for (std::size_t k = 0; k < cells.size(); ++k) {

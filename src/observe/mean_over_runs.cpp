@@ -35,7 +35,7 @@ CombinedEstimate combine(std::span<Estimate const> runs) {
     result.error_by_runs = std::sqrt(squares) / static_cast<double>(runs.size());
     result.chi_squared = chi_squared;
   }
-  // An absent error is below every other.
+  // An absent error compares as less than any other.
   result.mean.error = std::max(result.error_by_scatter, result.error_by_runs);
   return result;
 }

@@ -6,8 +6,8 @@
 
 namespace gridlock {
 
-/// The mean of what equally good runs have measured, such as runs of different seeds, with its standard error from
-/// their scatter; the error is absent for a single run. Contract: at least one (asserted).
+/// Returns the mean of one value from each run, such as runs of different seeds, with its standard error from their
+/// scatter; a single run has no error. Contract: there is at least one value (asserted).
 Estimate mean_over_runs(std::span<double const> values);
 
 }  // namespace gridlock

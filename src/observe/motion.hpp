@@ -6,13 +6,13 @@
 
 namespace gridlock {
 
-// Energy and temperature, measured once for all observables that ask the same snapshot. The sums are exact, so that the
-// order of the rows changes no bit; those of core, which feed back into states, keep the bits of a sum row by row.
+// Energy and temperature, computed once for all observables of a snapshot. The sums are exact, so that they do not
+// depend on the order of the rows. Sums in core are taken row by row, because they change states, whose bits must stay.
 
-/// ½ Σ m v². Contract: the agents have a mass and a velocity. Cost: one pass over the agents, the first time.
+/// Returns ½ Σ m v². Contract: the agents have a mass and a velocity. Cost: one pass over the agents at the first call.
 double measured_kinetic_energy(Snapshot const& now);
 
-/// kT as temperature() defines it. Contract and cost: the same.
+/// Returns kT as temperature() defines it. Contract and cost: as measured_kinetic_energy().
 std::optional<double> measured_temperature(Snapshot const& now);
 
 }  // namespace gridlock

@@ -13,7 +13,7 @@ namespace gridlock {
 
 namespace {
 
-/// The mean radius; of agents without one half the mean spacing √(A/N).
+/// Returns the mean radius; for agents without a radius half the mean spacing √(A/N).
 double mean_radius(Snapshot const& now) {
   auto const count = static_cast<double>(now.count());
   if (!now.agents.has<Radius>()) return 0.5 * std::sqrt(now.box.area() / count);
@@ -21,7 +21,7 @@ double mean_radius(Snapshot const& now) {
   return now.sum([&](std::size_t i) { return radius[i]; }) / count;
 }
 
-/// The part of the box that centres can reach; absent for no agents and where the walls leave no area.
+/// Returns the part of the box that centres can reach; nothing for no agents and where the walls leave no area.
 std::optional<Box> domain_of_centres(Snapshot const& now) {
   Box const& box = now.box;
   if (now.count() == 0) return std::nullopt;
@@ -54,12 +54,12 @@ void PairCorrelation::begin(Snapshot const& start) {
 }
 
 void PairCorrelation::sample(Snapshot const& now, std::span<double>, bool counts_for_average) {
-  // There is no column to fill, so what does not count need not be measured.
+  // Samples that do not count for averages fill no column, so they are not measured.
   if (!schedule_.is_due(counts_for_average) || !counts_for_average || counts_.empty()) return;
   auto const domain = domain_of_centres(now);
   double const range = bin_width_ * static_cast<double>(counts_.size());
   auto const n = static_cast<double>(now.count());
-  // A box that has shrunk below the range, or lost its agents, has nothing to compare with.
+  // In a box that has shrunk below the range, or without agents, g(r) is undefined.
   if (!domain || n < 2.0 || range > 0.5 * std::min(domain->width(), domain->height()) * (1.0 + 1e-12)) return;
 
   std::ranges::fill(counts_, 0);

@@ -11,29 +11,29 @@
 
 namespace gridlock {
 
-/// The probability that two independent uniform points of the box are nearer than r to each other.
+/// Returns the probability that two independent uniform points of the box are nearer to each other than r.
 ///
 ///     periodic: π r² / A
 ///     walls:    ∫₀ʳ 2πs γ(s) ds / A² = (π A r² − (4/3)(W + H) r³ + r⁴/2) / A²
 ///
-/// γ(r) = A − (2/π)(W + H) r + r²/π is the set covariance of the rectangle averaged over directions: the area of the
-/// points that still lie inside after a shift by r.
+/// γ(r) = A − (2/π)(W + H) r + r²/π is the set covariance of the rectangle averaged over directions: the area of points
+/// that are still inside after a shift by r.
 /// Contract: r ≤ half the shorter side of a periodic box, r ≤ the shorter side between walls.
 /// Source: S. N. Chiu, D. Stoyan, W. S. Kendall & J. Mecke, Stochastic Geometry and its Applications (2013).
 double probability_of_nearer_points(Box const& box, double r);
 
-/// The pair correlation function: how many pairs have a distance near r, for each one an ideal gas would have.
+/// The pair correlation function: the number of pairs at a distance near r divided by that of an ideal gas.
 ///
 ///     g(r) = pairs with distance in the bin / (½ N (N − 1) p(bin))
 ///
-/// For agents without a radius the range counts in mean spacings √(A/N), and their centres reach the walls.
-/// p is the exact probability of that distance for two independent points of the domain open to the centres: the
-/// periodic box, or the walled box less a mean radius on all sides. So g = 1 for an ideal gas at every N and r, in both
-/// kinds of box, with no edge left to correct. For a mixture between walls the mean radius is right to relative order
-/// (spread of the radii / side)².
-/// Becomes the distribution "pair_correlation": distance (centre of the bin, length), pair_correlation, error (from
-/// blocks of samples). The range is `range` mean diameters, but at most half the shorter side of the domain. Left out
-/// for fewer than two agents, and where walls leave the centres no area.
+/// p is the exact probability of the distance for two independent points of the domain open to the centres: the
+/// periodic box, or the walled box without a mean radius at each side. So g = 1 for an ideal gas at every N and r in
+/// both kinds of box, without corrections for edges. For a mixture between walls the mean radius is right to relative
+/// order (spread of the radii / side)². For agents without a radius lengths are in mean spacings √(A/N), and centres
+/// reach the walls.
+/// The result is the distribution "pair_correlation": distance (centre of the bin, length), pair_correlation, error
+/// (from blocks of samples). The range is `range` mean diameters, but at most half the shorter side of the domain.
+/// There is no result for fewer than two agents, and where walls leave no area to centres.
 /// Cost: O(N · agents within the range), about 0.5 µs an agent at 5 diameters; sampled on the StructureSchedule.
 /// Source: L. S. Ornstein & F. Zernike (1914); normalisation by set covariance: J. Ohser (1983), Mathematische
 /// Operationsforschung und Statistik 14, 63.
@@ -52,10 +52,10 @@ class PairCorrelation final : public Observable {
 
  private:
   StructureSchedule schedule_;
-  double range_;  ///< in mean diameters
+  double range_;  ///< range in mean diameters
   std::uint64_t bins_;
   double bin_width_ = 0.0;             ///< 0 where g(r) is undefined
-  std::vector<std::uint64_t> counts_;  ///< of agents that have another one at such a distance: two a pair
+  std::vector<std::uint64_t> counts_;  ///< counts in each bin, two for a pair: one for each of its agents
   std::vector<BlockAverage> correlation_;
 };
 

@@ -10,8 +10,7 @@ namespace gridlock {
 
 namespace {
 
-// In the order of the columns; those of walls exist in walled boxes only, the four single walls in the order of
-// Counters.
+// Indices of columns. Columns of walls exist in walled boxes only; single walls are in the order of Counters.
 constexpr std::size_t virial_column = 0;
 constexpr std::size_t compressibility_column = 1;
 constexpr std::size_t all_walls_column = 2;

@@ -5,7 +5,7 @@
 
 namespace gridlock {
 
-/// The pressure, from the impulses pairs of disks and walls receive between samples.
+/// The pressure, from the impulses of pair collisions and wall hits between samples.
 ///
 ///     virial_pressure        = (N kT + W / 2t) / A                  mass / time² (force per length)
 ///     compressibility_factor = Z = 1 + W / (2 N kT t)               pure number
@@ -13,12 +13,11 @@ namespace gridlock {
 ///     wall_pressure          = Σ_walls I / (2 t (W_box + H_box))    mean over the length of the four walls
 ///
 /// W = Σ (r_i − r_j)·Δp_i is the virial of all pair collisions during t (σ m |v_n| for two equal disks in contact), I
-/// the impulse given to a wall, and kT the temperature() of the state at the end of the interval, which energy-keeping
-/// dynamics does not change. Z is left out at rest, and everything that needs kT for a single disk in a periodic box.
+/// the impulse on a wall, and kT the temperature() at the end of the interval, which dynamics that conserve energy do
+/// not change. Z is undefined at rest, and all values that need kT for one disk in a periodic box.
 ///
-/// Between walls the pair virial divided by the full area falls short of the bulk pressure by a layer at the walls; on
-/// any one long trajectory of equal disks in a square box of side L the two are tied by
-/// wall_pressure · L (L − 2R) = K + W / 2t.
+/// Between walls the pair virial divided by the full area is less than the bulk pressure, by a layer at the walls. On a
+/// long trajectory of equal disks in a square box of side L, wall_pressure · L (L − 2R) = K + W / 2t.
 /// Averages are ratios of sums over all time that counts.
 /// Cost: one pass over the disks for kT.
 /// Source: M. Engel et al. (2013), doi:10.1103/PhysRevE.87.042134; J. J. Erpenbeck & W. W. Wood (1977), in Statistical

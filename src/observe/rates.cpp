@@ -7,7 +7,7 @@ namespace gridlock {
 
 namespace {
 
-// In the order of the columns; the last exists in walled boxes only.
+// Indices of columns; the column after these exists in walled boxes only.
 constexpr std::size_t collision_column = 0;
 constexpr std::size_t free_time_column = 1;
 constexpr std::size_t halted_column = 2;
@@ -57,8 +57,7 @@ void Rates::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
 
 std::vector<NamedEstimate> Rates::results() const {
   std::vector<NamedEstimate> results = AveragingObservable::results();
-  // From the whole rate, not as a mean of the columns: an interval without collisions has no mean free time, and
-  // leaving it out would shorten the mean.
+  // Computed from the mean rate. A mean over the column would lack the intervals without collisions and be too short.
   auto const rate = average_of(collision_column).estimate();
   if (rate && rate->value > 0.0) {
     Estimate free_time{.value = 1.0 / rate->value, .error = std::nullopt};

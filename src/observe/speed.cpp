@@ -24,7 +24,7 @@ struct CountedMass {
   std::uint64_t agents = 0;
 };
 
-/// Adds a mass that is not below the last one.
+/// Adds agents of a mass that is not below the last one.
 void add_counted(std::vector<CountedMass>& masses, CountedMass const& next) {
   if (!masses.empty() && masses.back().mass == next.mass) {
     masses.back().agents += next.agents;
@@ -33,7 +33,7 @@ void add_counted(std::vector<CountedMass>& masses, CountedMass const& next) {
   }
 }
 
-/// The masses of all processes in rising order, each once. Contract: those given are in rising order.
+/// Returns the masses of all processes in ascending order, each once. Contract: `masses` ascend.
 std::vector<CountedMass> merged(Communicator& processes, std::vector<CountedMass> const& masses) {
   Message const all =
       all_reduce(processes, message_of_all(std::span(masses)), [](Message const& left, Message const& right) {
@@ -49,8 +49,8 @@ std::vector<CountedMass> merged(Communicator& processes, std::vector<CountedMass
   return MessageReader(all).rest<CountedMass>();
 }
 
-/// The different masses in rising order; where they are many, those to sixteen binary digits, which move Maxwell's
-/// curve by less than 1e-5 of itself: no process is to have a mass for each agent.
+/// Returns the different masses in ascending order. Many different masses are rounded to sixteen binary digits, which
+/// changes Maxwell's curve by less than 1e-5 of itself and keeps the list shorter than the number of agents.
 std::vector<CountedMass> masses_of(Snapshot const& now) {
   constexpr std::size_t many = std::size_t{1} << 16U;
   auto const column = now.agents.column<Mass>();
@@ -101,7 +101,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   std::ranges::fill(counts_, 0);
   double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
   auto const bins = static_cast<double>(counts_.size());
-  auto const [speeds, energies, squared_energies] = now.sum([&](std::size_t i) {  // energies are twice the kinetic ones
+  auto const [speeds, energies, squared_energies] = now.sum([&](std::size_t i) {  // twice the kinetic energies
     double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
     double const speed = std::sqrt(squared_speed);
     double const energy = mass[i] * squared_speed;

@@ -8,19 +8,19 @@
 
 namespace gridlock {
 
-/// How fast the disks move, against what Maxwell says of thermal equilibrium.
+/// The speeds of disks, compared with Maxwell's distribution of thermal equilibrium.
 ///
 ///     mean_speed         = (1/N) Σ_i |v_i|                                          length / time
 ///     speed_moment_ratio = N Σ_i (m_i v_i²)² / (Σ_i m_i v_i²)²                      pure number
 ///
-/// For equal masses the ratio is ⟨v⁴⟩/⟨v²⟩²: 1 if all are equally fast, 4/3 for velocities uniform in a disk, 2 for
-/// Maxwell's in two dimensions (2N/(N+1) for N disks of fixed total energy between walls). Written with energies it
-/// is 2 in equilibrium for mixtures too. In equilibrium of equal masses the mean speed is √(πkT/2m). At rest the ratio
-/// is undefined.
+/// For equal masses the ratio is ⟨v⁴⟩/⟨v²⟩²: 1 if all speeds are equal, 4/3 for velocities uniform in a disk, 2 for
+/// Maxwell's distribution in two dimensions (2N/(N+1) for N disks of fixed total energy between walls). In terms of
+/// energies it is 2 in equilibrium for mixtures too. The mean speed of equal masses in equilibrium is √(πkT/2m). At
+/// rest the ratio is undefined.
 ///
 /// The distribution "speed_distribution" is the histogram of |v| over all samples that count, per unit of speed and
-/// normalised by all disks, with errors from blocks, beside Maxwell's curve averaged over the same bins at the
-/// measured temperature:
+/// normalised by all disks, with errors from blocks. Beside it stands Maxwell's curve, averaged over the same bins at
+/// the measured temperature:
 ///
 ///     f(v) = (1/N) Σ_i (m_i v / kT) exp(−m_i v² / 2kT)
 ///
@@ -42,17 +42,17 @@ class Speed final : public AveragingObservable {
  private:
   struct MassShare {
     double mass;
-    double share;  ///< of all disks
+    double share;  ///< fraction of all disks
   };
-  /// Maxwell's probability of a speed below v.
+  /// Returns the probability of a speed below v in Maxwell's distribution.
   [[nodiscard]] double maxwell_below(double v, double temperature) const;
 
   double range_;
   std::uint64_t bins_;
-  double bin_width_ = 0.0;  ///< 0 where nothing moves at begin(): no histogram
+  double bin_width_ = 0.0;  ///< 0 where no disk moves at begin(), so there is no histogram
   std::vector<MassShare> masses_;
-  std::vector<std::uint64_t> counts_;  ///< of the present sample
-  std::vector<BlockAverage> shares_;   ///< of all disks, per bin
+  std::vector<std::uint64_t> counts_;  ///< counts of the present sample
+  std::vector<BlockAverage> shares_;   ///< fraction of all disks in each bin
   BlockAverage temperature_;
 };
 

@@ -6,13 +6,13 @@
 
 namespace gridlock {
 
-/// When the expensive observables of structure measure: at the first sample, at the first that counts for averages, and
-/// then at every `every`-th, so that the shortest run has one measurement that counts. Never for every = 0.
+/// The samples at which expensive observables of structure are measured: the first, the first that counts for averages
+/// (so that the shortest run has one that counts), and then every `every`-th; none for every = 0.
 class StructureSchedule {
  public:
   explicit StructureSchedule(std::uint64_t every) : every_(every) {}
 
-  /// Whether the sample taken now is one to measure; call once per sample.
+  /// Returns whether to measure the present sample. Contract: it is called once for each sample.
   [[nodiscard]] bool is_due(bool counts_for_average) {
     if (every_ == 0) return false;
     bool const is_first_that_counts = counts_for_average && !has_counted_;
@@ -25,7 +25,7 @@ class StructureSchedule {
     return true;
   }
 
-  /// Starts over.
+  /// Begins anew.
   void reset() { *this = StructureSchedule(every_); }
 
   void serialize(Archive& archive) {

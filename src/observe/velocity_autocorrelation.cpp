@@ -41,7 +41,7 @@ void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row,
   auto const ids = now.agents.ids();
   auto const velocity_x = now.agents.column<VelocityX>();
   auto const velocity_y = now.agents.column<VelocityY>();
-  // With the squares at the origin as weights, the ratio of sums is the normalised correlation.
+  // Weighted by the squares at the origin, the ratio of sums is the normalised correlation.
   SumsOfBlocks<agent_blocks, 2> terms;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Vector const* const then = velocities_.find(ids[i], i);
@@ -57,7 +57,7 @@ void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row,
   row[0] = correlation->value;
   double const lag = now.clock.time - origin_time_;
   if (point == curve_.size()) curve_.push_back({lag, *correlation});
-  // The last sample of a run may come early, and belongs to no point then.
+  // The last sample of a run may come early and then belongs to no point of the curve.
   bool const is_on_curve = point < curve_.size() && std::abs(lag - curve_[point].lag) <= 1e-9 * lag;
   if (origin_every_ == 0 || !is_on_curve) return;
   over_origins_.resize(curve_.size());
@@ -95,7 +95,7 @@ void VelocityAutocorrelation::serialize(Archive& archive) {
   velocities_.serialize_member(archive, VelocityX::name, &Vector::x);
   velocities_.serialize_member(archive, VelocityY::name, &Vector::y);
   if (archive.is_restoring()) blocks_.reset();
-  // An error that is absent is written as NaN.
+  // NaN stands for an absent error.
   std::vector<double> curve;
   for (auto const& [lag, correlation] : curve_) {
     curve.insert(curve.end(), {lag, correlation.value, correlation.error.value_or(no_value)});

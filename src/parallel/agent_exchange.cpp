@@ -11,17 +11,17 @@ namespace gridlock {
 
 namespace {
 
-/// Rows of each process that leave at a time.
+/// Number of rows that each process sends in a round.
 constexpr std::size_t rows_of_round = std::size_t{1} << 16;
 
 void read_rows(std::span<std::byte const> bytes, RowsOfBytes const& rows) {
   for (; !bytes.empty(); bytes = bytes.subspan(rows.bytes_of_row)) rows.read(bytes.data());
 }
 
-/// An agent that waits for its value, or a value that looks for its agent; the bytes of the value follow.
+/// An agent that needs a value, or a value for an agent; then the bytes of the value follow.
 struct Sought {
   Id id;
-  std::uint64_t process;  ///< that sends it
+  std::uint64_t process;  ///< process that sends this record
   std::uint64_t has_value;
 };
 
@@ -30,10 +30,10 @@ struct Sought {
 std::vector<Id> ids_of_rows(AllProcesses processes, RowDivision const& division, std::span<Id const> own,
                             std::span<std::uint32_t const> rows) {
   struct Question {
-    Id id;  ///< the answer
+    Id id;  ///< Id of the agent, for the answer
     std::uint64_t row;
     std::uint64_t asker;
-    std::uint64_t place;  ///< of the row among those of the asker
+    std::uint64_t place;  ///< index of the row in the process that asks
   };
   Communicator& ranks = processes.communicator();
   std::uint64_t const self = ranks.rank();
@@ -112,7 +112,7 @@ void send_to_owners(AllProcesses processes, std::span<Id const> wait, ValuesOfAg
                                 }});
 }
 
-/// In rounds, so that messages stay short however much there is to send.
+/// Exchanges rows in rounds, so that messages stay short.
 void exchange_rows(AllProcesses processes, RowsOfBytes const& rows) {
   Communicator& ranks = processes.communicator();
   std::size_t const self = ranks.rank();

@@ -18,7 +18,7 @@ namespace {
 
 enum class Ending : std::uint64_t { good, error, failure };
 
-/// How the work of a rank has ended, as a message to all.
+/// The end of a rank's work, normal or by an exception, as a message to all ranks.
 class EndOfWork {
  public:
   EndOfWork(Communicator const& ranks, std::function<void()> const& work) : rank_(ranks.rank()) {
@@ -46,7 +46,7 @@ class EndOfWork {
     return message.take();
   }
 
-  /// Throws what another rank has thrown.
+  /// Throws the exception that another rank has thrown.
   static void rethrow(Message const& bytes) {
     MessageReader message(bytes);
     auto const ending = message.next<Ending>();
@@ -77,13 +77,13 @@ class EndOfWork {
   std::exception_ptr thrown_;
 };
 
-/// Throws as the first rank has that has thrown.
+/// Throws the exception of the first rank that has thrown one.
 void fail_as(Communicator& ranks, std::vector<Message> const& ends, EndOfWork const& own) {
   ranks.note_agreement(false);
   for (std::size_t rank = 0; rank < ends.size(); ++rank) {
     if (MessageReader(ends[rank]).next<Ending>() == Ending::good) continue;
     ranks.note_agreement(true);
-    // The root knows more of its own failure than a message says.
+    // The root's own exception has more details than a message.
     if (rank == 0 && ranks.rank() == 0) std::rethrow_exception(own.thrown());
     EndOfWork::rethrow(ends[rank]);
   }

@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-/// A process that shares its run with no other: nothing is ever sent.
+/// The communicator of a process that is alone: it sends nothing.
 class Alone final : public Communicator {
  public:
   [[nodiscard]] std::size_t rank() const override { return 0; }
@@ -32,7 +32,7 @@ class Alone final : public Communicator {
   [[noreturn]] void abandon(std::string const& /*why*/) override { std::abort(); }
 };
 
-/// Messages one after the other, each after its length.
+/// Returns a message that contains messages one after the other, each behind its length.
 Message bundle_of(std::span<Message const> messages) {
   MessageWriter bundle;
   for (Message const& message : messages) {
@@ -56,8 +56,8 @@ Communicator& Communicator::alone() {
   return alone;
 }
 
-/// Each rank knows of itself and of as many that follow it as it has heard of, around the circle of ranks, and every
-/// message doubles them.
+/// Ranks form a circle. Each rank knows the messages of itself and of some ranks that follow it, and every round
+/// doubles their number.
 /// Source: J. Bruck et al., Efficient algorithms for all-to-all communications in multiport message-passing systems
 /// (1997), doi:10.1109/71.642949.
 std::vector<Message> all_gather(Communicator& ranks, Message own) {

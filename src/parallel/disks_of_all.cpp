@@ -18,10 +18,10 @@ namespace gridlock {
 
 namespace {
 
-/// Rows in one message.
+/// Number of rows in a message.
 constexpr std::uint64_t rows_of_message = std::uint64_t{1} << 15;
 
-/// Rows that come one after the other, until they are a population.
+/// Rows that arrive one after the other and become Disks.
 class ComingRows {
  public:
   explicit ComingRows(std::size_t rows) {
@@ -58,7 +58,7 @@ DiskRow row_of(Disks const& disks, std::size_t i) {
           .image_y = disks.column<ImageY>()[i]};
 }
 
-/// The root sends another rank its rows.
+/// Sends another rank its rows; the root calls it.
 void send_rows(Communicator& ranks, std::size_t rank, RowDivision const& rows,
                std::function<DiskRow(std::uint64_t k)> const& row_of) {
   std::vector<DiskRow> piece;

@@ -10,31 +10,31 @@
 
 namespace gridlock {
 
-/// All that a row of a state holds.
+/// All values in a row of a state of disks.
 struct DiskRow {
   Id id;
   double x, y, velocity_x, velocity_y, radius, mass;
   std::int32_t image_x, image_y;
 };
 
-/// Disks of these rows.
+/// Returns disks with these rows.
 Disks disks_of(std::span<DiskRow const> rows);
 
-/// The overview of the disks of all processes, which call it together.
+/// Returns the overview of the disks of all processes. All processes call it.
 DisksOverview overview_of_all(Disks const& own, AllProcesses processes);
 
-/// The root has `count` disks, row_of(k) in the order of the Ids, and gives each process as many of them, piece by
-/// piece. Returns those of this process. All call it.
+/// Distributes `count` disks evenly, which the root makes by row_of(k) in the order of the Ids, message by message.
+/// Returns the disks of this process. All processes call it.
 Disks deal_out(AllProcesses processes, std::uint64_t count, std::function<DiskRow(std::uint64_t k)> const& row_of);
 
-/// Whether all agents are in the order of their Ids, process after process. All call it.
+/// Returns whether all agents are in the order of their Ids, process after process. All processes call it.
 bool are_in_order(AllProcesses processes, std::span<Id const> own);
 
-/// Puts the disks of all processes in the order of their Ids: process 0 gets the first ones, and each as many. All call
-/// it. Cost: nothing where they are in order, else a copy of the rows of each.
+/// Sorts the disks of all processes by Id and gives each process as many: process 0 gets the lowest Ids. All processes
+/// call it. Cost: nothing for sorted disks, else a copy of each process's rows.
 void sort_by_ids(AllProcesses processes, Disks& own);
 
-/// The same as deal_out() for a state that the root has, in any order.
+/// Distributes the disks of a state that the root has, in any order, as deal_out() above.
 State deal_out(AllProcesses processes, State whole);
 
 }  // namespace gridlock

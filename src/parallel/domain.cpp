@@ -14,14 +14,14 @@ namespace gridlock {
 
 namespace {
 
-/// More than what rounds in distances and in cells.
+/// Returns a number of cells with a margin above the rounding of distances and cells.
 double with_margin(double cells) { return cells * (1.0 + 1e-6) + 1e-6; }
 
 bool is_empty(CellWindow const& window) {
   return window.first_column == window.end_column || window.first_row == window.end_row;
 }
 
-/// Cells cut into rectangles with about as many points of all processes in each.
+/// Cuts cells into rectangles with about equal numbers of points of all processes.
 std::vector<CellWindow> cut(Communicator& processes, CellLayout const& cells, std::span<double const> x,
                             std::span<double const> y) {
   std::vector<std::uint64_t> points_of_rows(static_cast<std::size_t>(cells.rows()), 0);
@@ -100,14 +100,14 @@ Domain::Range Domain::range_of(int first, int end, double margin, int all) const
   double const begin = first - margin;
   double const length = end - first + 2.0 * margin;
   if (!cells_.is_periodic() || length >= all) {
-    // Between walls a rim may end outside, where nobody is.
+    // Between walls a rim may end outside the box, where there are no points.
     bool const has_all = cells_.is_periodic();
     return {.first = has_all ? -1.0 : begin, .length = has_all ? all + 2.0 : length, .all = 0.0};
   }
   return {.first = begin, .length = length, .all = static_cast<double>(all)};
 }
 
-/// The cells of a rectangle and more to each side; beyond the box where it goes on there.
+/// Returns the cells of a rectangle and further ones on each side, beyond the edges in a periodic box.
 CellWindow Domain::around(CellWindow const& rectangle, int columns, int rows) const {
   if (is_empty(rectangle)) return {};
   return within(cells_, {.first_column = rectangle.first_column - columns,
@@ -138,7 +138,7 @@ void Domain::find_neighbours() {
 
 void Domain::find_inside() {
   constexpr double everywhere = std::numeric_limits<double>::infinity();
-  // A process that has a whole side shares it with nobody, and behind a wall there is nobody.
+  // A process with a whole side shares it with no other, and there are no points behind a wall.
   auto const shrink = [&](int first, int end, int all, double margin, double& from, double& to) {
     bool const has_all = first == 0 && end == all;
     from = has_all || (first == 0 && !cells_.is_periodic()) ? -everywhere : first + margin;
@@ -175,7 +175,7 @@ bool Domain::is_neighbour(std::size_t process) const {
 
 CellWindow Domain::window_in(CellLayout const& layout) const {
   if (is_empty(own_)) return {};
-  // A rim is not wider than a cell of the layout, which may be cut elsewhere.
+  // A rim is at most a cell wide, in a layout whose cells may have other borders.
   auto const scaled = [](int first, int end, int all, int all_of_layout) {
     double const scale = static_cast<double>(all_of_layout) / all;
     return std::pair(static_cast<int>(std::floor(first * scale)) - 2, static_cast<int>(std::ceil(end * scale)) + 2);
@@ -199,7 +199,7 @@ bool Domain::owns_cell(CellLayout const& layout, int column, int row) const {
 
 namespace {
 
-/// A cell that processes may share, and the points that one of them has there.
+/// A cell that several processes may share, and the number of points that one process has in it.
 struct SharedCell {
   std::uint32_t cell;
   std::uint32_t points;
@@ -207,7 +207,7 @@ struct SharedCell {
 
 std::uint64_t pairs_of(std::uint64_t points) { return points * (points - 1) / 2; }
 
-/// Pairs in the same cell, where processes share it.
+/// Returns the number of pairs in the same cell, for cells that processes share.
 std::uint64_t pairs_in(std::vector<SharedCell> cells) {
   std::ranges::sort(cells, {}, &SharedCell::cell);
   std::uint64_t pairs = 0;

@@ -11,10 +11,10 @@
 
 namespace gridlock {
 
-/// Ranks send values to each other, each to where it belongs. All call it, each with `count` values to give:
-/// `give_one(k, give)` calls give(rank, value) for number k, once for each rank that is to have it, and take(value) is
-/// called for what has come, from whatever rank, this one included. In rounds of so many numbers k of each rank, so
-/// that messages stay short however much there is to send, and nobody waits for someone who waits for him to receive.
+/// Sends values between ranks. All ranks call it, each with `count` values: give_one(k, give) calls give(rank, value)
+/// for value k, once for each rank that shall have it, and take(value) is called for each value that arrives from any
+/// rank, this one included. Values go in rounds, so that messages stay short, and no two ranks wait for each other to
+/// receive.
 template <class Value, class GiveOne, class Take>
 void exchange_values(Communicator& ranks, std::size_t count, GiveOne give_one, Take take) {
   constexpr std::size_t numbers_of_round = std::size_t{1} << 16;

@@ -22,10 +22,10 @@ namespace gridlock {
 
 namespace {
 
-/// All agents in the order of their Ids are cut into blocks of so many.
+/// Number of agents in a block; blocks divide all agents in the order of their Ids.
 constexpr std::uint64_t rows_of_block = std::uint64_t{1} << 15;
 
-/// The root asks for the values of a column in a block, or for the Ids; or it is done with the frame.
+/// A request of the root: for the values of a column in a block, for its Ids, or that the frame is done.
 struct BlockAsked {
   static constexpr std::uint64_t ids = std::numeric_limits<std::uint64_t>::max();
   static constexpr std::uint64_t nothing = ids - 1;
@@ -33,10 +33,10 @@ struct BlockAsked {
   std::uint64_t block = 0;
 };
 
-/// The rows of this process, of which some are in each block.
+/// The rows of this process by block.
 class OwnRows {
  public:
-  /// All call it.
+  /// All processes call it.
   OwnRows(AllProcesses processes, AgentsView const& own) : own_(own), all_(processes.sum(own.size())) {
     std::vector<std::uint64_t> places;
     for (std::uint64_t first = 0; first < all_; first += rows_of_block) places.push_back(first);
@@ -73,7 +73,7 @@ class OwnRows {
   std::vector<std::size_t> first_of_block_;
 };
 
-/// The rows of all ranks, on the root.
+/// The rows of all ranks, as the root sees them.
 class FrameOfAll final : public FrameSource {
  public:
   FrameOfAll(Communicator& ranks, Frame const& head, AgentsView const& own, OwnRows const& rows)
@@ -106,7 +106,7 @@ class FrameOfAll final : public FrameSource {
   }
 
  private:
-  /// Calls visit(block, begin, end) for the rows of each block that are wanted.
+  /// Calls visit(block, begin, end) for the wanted rows of each block.
   template <class Visit>
   static void for_each_block(std::uint64_t first, std::uint64_t count, Visit visit) {
     for (std::uint64_t row = first; row < first + count;) {
@@ -118,7 +118,7 @@ class FrameOfAll final : public FrameSource {
     }
   }
 
-  /// Keeps this block, and forgets the one before.
+  /// Loads this block, if another is loaded.
   void look_at(std::uint64_t block) const {
     if (block == block_) return;
     columns_.clear();
@@ -134,7 +134,7 @@ class FrameOfAll final : public FrameSource {
     for (std::uint32_t const row : order_) sorted.push_back(values[row]);
     return sorted;
   }
-  /// The values of a block, those of rank 0 first, then those of rank 1.
+  /// Returns the values of a block, those of rank 0 first, then those of rank 1, …
   template <class Value>
   [[nodiscard]] std::vector<Value> gather(BlockAsked const& asked) const {
     for (std::size_t rank = 1; rank < ranks_.count(); ++rank) ranks_.send(rank, message_of(asked));
@@ -153,13 +153,13 @@ class FrameOfAll final : public FrameSource {
   Communicator& ranks_;
   AgentsView const& own_;
   OwnRows const& rows_;
-  mutable std::uint64_t block_ = std::numeric_limits<std::uint64_t>::max();  ///< that is kept
+  mutable std::uint64_t block_ = std::numeric_limits<std::uint64_t>::max();  ///< number of the loaded block
   mutable std::vector<Id> ids_;
-  mutable std::vector<std::uint32_t> order_;  ///< of the rows that ranks send
+  mutable std::vector<std::uint32_t> order_;  ///< order of the rows that ranks send
   mutable std::map<std::size_t, FrameValues> columns_;
 };
 
-/// Sends the root what it asks for, until it is done.
+/// Answers the requests of the root until the frame is done.
 void serve_root(Communicator& ranks, OwnRows const& own) {
   while (true) {
     auto const asked = MessageReader(ranks.receive(0)).next<BlockAsked>();
@@ -168,7 +168,7 @@ void serve_root(Communicator& ranks, OwnRows const& own) {
   }
 }
 
-/// Lets all others go on, however the use of a frame ends.
+/// Ends serve_root() in all other ranks, also after an exception.
 class EndOfFrame {
  public:
   explicit EndOfFrame(Communicator& ranks) : ranks_(ranks) {}

@@ -8,10 +8,10 @@
 
 namespace gridlock {
 
-/// For each place in the order of the keys of all ranks the largest number with no more keys below it, of those without
-/// a higher bit than
-/// `highest_bit`: the key at that place, if there is one. No key is there twice. `count_below(number)` counts keys of this rank, and
-/// add_up(counts) makes them those of all ranks. All call it. Cost: a round of messages for each bit.
+/// Returns for each place in the order of the keys of all ranks the largest number that has at most that many keys
+/// below it, among numbers without bits above `highest_bit`: this is the key at that place, if there is one. Contract:
+/// all keys differ. `count_below(number)` counts the keys of this rank, and add_up(counts) adds the counts of all
+/// ranks. All ranks call it. Cost: a round of messages for each bit.
 template <class CountBelow, class AddUp>
 std::vector<std::uint64_t> keys_at(std::span<std::uint64_t const> places, std::uint64_t highest_bit,
                                    CountBelow count_below, AddUp add_up) {

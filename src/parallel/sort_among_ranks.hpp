@@ -15,9 +15,9 @@
 
 namespace gridlock {
 
-/// Where a rank cuts its sorted values so that the first pieces of all ranks are the rows of rank 0 in the order of the
-/// keys, the second those of rank 1: the end of each piece. No key is there twice. All call it. Cost: a round of
-/// messages for each bit of the largest key.
+/// Returns where a rank cuts its sorted values so that the first pieces of all ranks are the rows of rank 0 in the
+/// order of the keys, the second those of rank 1: the end of each piece. Contract: all keys differ. All ranks call it.
+/// Cost: a round of messages for each bit of the largest key.
 template <class Value, class KeyOf>
 std::vector<std::size_t> cuts_of_sorted(Communicator& ranks, std::vector<Value> const& values, RowDivision const& rows,
                                         KeyOf key_of) {
@@ -36,9 +36,8 @@ std::vector<std::size_t> cuts_of_sorted(Communicator& ranks, std::vector<Value> 
   return ends;
 }
 
-/// Puts the values of all ranks in the order of their keys, of which no two are equal: each rank gets its rows of the
-/// division. All call it.
-/// Memory: the values of a rank once more.
+/// Sorts the values of all ranks by key and gives each rank its rows of the division. Contract: all keys differ. All
+/// ranks call it. Memory: a second copy of the values of a rank.
 template <class Value, class KeyOf>
 void sort_among_ranks(Communicator& ranks, std::vector<Value>& values, RowDivision const& rows, KeyOf key_of) {
   std::ranges::sort(values, {}, key_of);
