@@ -18,7 +18,7 @@ namespace {
 constexpr double first_step = 0.1;         // largest displacement at the start, in mean diameters
 constexpr double min_step = 1e-12;         // least value of the largest displacement, in mean diameters
 constexpr double wanted_acceptance = 0.4;  // fraction of displacements accepted
-constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // the error of their accepted fraction is 0.015
+constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // gives the accepted fraction to ±0.015
 constexpr std::uint64_t max_stages = std::uint64_t{1} << 24;
 constexpr double enough_relaxation_times = 10.0;
 

@@ -45,7 +45,7 @@ void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Co
   }
   CountersOfStep of_step;
   for (tiled::TileResult& result : steps.results()) {
-    // Late disks go in the order of tiles, because one may change the turn of the next.
+    // Disks too fast for their tile go in the order of tiles, because one may change the turn of the next.
     for (std::uint32_t const i : result.not_local) steps.take_late(i, result);
     result.not_local.clear();
     of_step.add(result.counters);

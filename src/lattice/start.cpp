@@ -21,8 +21,7 @@ namespace {
 
 constexpr double closest_packing = 0.90689968211710892530;  // π/√12
 constexpr double random_insertion_saturation = 0.547069;    // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
-constexpr double max_fitted_up = 1.0 + 1e-9;                // a size this far above the largest that fits is still
-                                                            // accepted
+constexpr double max_fitted_up = 1.0 + 1e-9;                // factor up to which a size still fits
 
 double radius_for(double packing_fraction, Box const& box, Kinds const& kinds) {
   return std::sqrt(packing_fraction * box.area() / (std::numbers::pi * kinds.sum_of_squared_ratios()));

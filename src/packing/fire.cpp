@@ -7,7 +7,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr double first_time_step = 0.1;  // √(m D²/ε); the next constants too
+constexpr double first_time_step = 0.1;  // time step, in √(m D²/ε)
 constexpr double longest_time_step = 0.45;
 constexpr double shortest_time_step = 0.002;
 constexpr std::uint64_t delay = 20;

@@ -23,23 +23,23 @@ namespace gridlock {
 
 namespace {
 
-constexpr double min_shift = 1e-9;  // shift of the Hessian's diagonal, ε/D²
+constexpr double min_shift = 1e-9;  // least shift of the Hessian's diagonal, in ε/D²
 constexpr double max_shift = 1e3;
-constexpr double longest_step = 0.1;  // longest displacement of a disk in a step, D
+constexpr double longest_step = 0.1;  // displacement in a step, in diameters D
 constexpr int max_halvings = 6;
 constexpr std::uint64_t max_slow_newton_steps = 20;
 /// Iterations of other methods before Newton's method is tried again; they take about as long as its steps.
 constexpr std::uint64_t iterations_before_newton_again = 2000;
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
-constexpr double first_quasi_newton_scale = 0.2;  // in D²/ε
+constexpr double first_quasi_newton_scale = 0.2;  // step length over force, in D²/ε
 constexpr double min_decrease = 1e-4;             // actual over predicted decrease of the energy, at least
 
 /// Energy for each disk (ε) below which the path no longer matters: disks then move apart or hardly press.
 constexpr double min_energy_of_descent = 1e-8;
 
-constexpr double displacement_from_saddle = 1e-4;  // length in D
-constexpr double curvature_of_saddle = -1e-7;      // curvature in ε/D²
+constexpr double displacement_from_saddle = 1e-4;  // displacement of a disk, in diameters D
+constexpr double curvature_of_saddle = -1e-7;      // least eigenvalue of a saddle, in ε/D²
 /// Largest residual at which the curvature tells a saddle from a minimum; with larger forces the state is neither.
 constexpr double max_residual_of_saddle = 1e-3;
 
@@ -336,8 +336,8 @@ class Minimizer::Search {
   bool is_descending_ = true;
   bool is_near_minimum_ = false;              ///< whether the search began near a minimum
   std::uint64_t newton_again_at_ = never;     ///< value of iterations_ at which Newton's method begins again
-  std::uint64_t slow_newton_steps_left_ = 0;  ///< steps with little gain before it is left
-  std::uint64_t iterations_ = 0;              ///< iterations of this search; the next counts too
+  std::uint64_t slow_newton_steps_left_ = 0;  ///< steps of Newton's method with little gain still allowed
+  std::uint64_t iterations_ = 0;              ///< iterations of this search
   std::uint64_t saddles_ = 0;
 };
 

@@ -94,7 +94,7 @@ class SoftForces {
                            std::size_t end) const;
   /// Finds the entries from `first` to `end` that overlap; returns their number.
   std::size_t find_touching(std::size_t first, std::size_t end, Touching& touching) const;
-  /// Does the same for eight entries at a time. Returns the first entry that it has left, and adds to `count`.
+  /// Finds entries as find_touching(), eight at a time. Returns the first entry not searched, and adds to `count`.
   std::size_t find_touching_of_eights(std::size_t first, std::size_t end, Touching& touching, std::size_t& count) const;
   template <Potential potential>
   static std::size_t compute_eight_pushes(Touching& touching, std::size_t count);

@@ -12,8 +12,8 @@ namespace gridlock {
 
 namespace {
 
-constexpr double max_error = 0.01;  // largest error of a step, D
-constexpr double first_time = 0.1;  // duration of the first step, D²/ε
+constexpr double max_error = 0.01;  // largest error of a step, in diameters D
+constexpr double first_time = 0.1;  // duration of the first step, in D²/ε
 constexpr int max_stages = 200;
 constexpr double damping = 2.0 / 13.0;
 
@@ -74,8 +74,7 @@ ForceSums SteepestDescent::step(Packing& packing, SoftForces& forces, Potential 
     ForceSums const sums = try_step(packing, forces, stages, velocities, force);
     double const error = find_error(packing, force) / (max_error * diameter_);
     bool const is_good = error <= 1.0;
-    // The error grows with the third power of the time. A fourth root errs on the safe side, with the same bits
-    // everywhere.
+    // The error grows with the third power of the time. A fourth root is safe and gives the same bits everywhere.
     time_ *= std::clamp(0.8 / std::sqrt(std::sqrt(std::max(error, 1e-9))), 0.2, is_good ? 3.0 : 0.6);
     if (is_good) {
       std::swap(force, force_);

@@ -36,7 +36,7 @@ struct BlockAsked {
 /// The rows of this process by block.
 class OwnRows {
  public:
-  /// All processes call it.
+  /// All processes construct it together.
   OwnRows(AllProcesses processes, AgentsView const& own) : own_(own), all_(processes.sum(own.size())) {
     std::vector<std::uint64_t> places;
     for (std::uint64_t first = 0; first < all_; first += rows_of_block) places.push_back(first);

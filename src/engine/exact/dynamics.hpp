@@ -38,8 +38,7 @@ struct EndOfGrowth {
   double scale = std::numeric_limits<double>::infinity();                     ///< factor by which all radii have grown
   std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< limit of the counters
   std::uint64_t hits = std::numeric_limits<std::uint64_t>::max();             ///< hits of disks; the growth may stop
-                                                                              ///< hits of disks; one or two more may
-                                                                              ///< happen
+                                                                              ///< limit of the hits of disks
 };
 
 /// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
@@ -152,7 +151,7 @@ class Dynamics final : public Flight {
   End run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
                 std::function<bool()> const& should_continue);
 
-  // Sharing by threads, in sharing.cpp:
+  // Functions in sharing.cpp, for several threads:
   [[nodiscard]] bool share_epoch(double hits_per_time, bool is_sort_due);
   End run_shared(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
                  std::function<bool()> const& should_continue);
@@ -164,11 +163,11 @@ class Dynamics final : public Flight {
                                                       Counters const& counters);
   [[nodiscard]] std::uint64_t collisions_worth_sharing() const { return 8 * size_; }
 
-  // Growing disks, in growing.cpp:
+  // Functions in growing.cpp, for disks that grow:
   void start_growing(double rate);
   void serialize_growth(Archive& archive);
 
-  // Checkpoints of cells and lists, in saved_cells.cpp:
+  // Functions in saved_cells.cpp, for checkpoints:
   void serialize_lists(Archive& archive);
   void restore_grid(Archive const& archive, std::vector<std::uint64_t> const& cells);
   void restore_cells(Archive const& archive, SavedDisks const& saved);

@@ -109,7 +109,7 @@ class Flight {
 
   void choose_fetching();
 
-  // Cells, in cells.cpp:
+  // Functions in cells.cpp:
   void make_room_in_cells(double time);
   void lay_cells(CellLayout const& layout, double time);
   void lay_cells_by_size();
@@ -124,7 +124,7 @@ class Flight {
   template <class Visit>
   void for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const;
 
-  // Lists of neighbours, in lists.cpp:
+  // Functions in lists.cpp:
   void renew_lists(double time);
   void end_lists();
   [[nodiscard]] bool wants_lists() const;

@@ -43,7 +43,7 @@ struct Range {
   double lower;
   double upper;
   double side;
-  bool ends_at_lower_edge;  ///< the lower edge of a periodic box
+  bool ends_at_lower_edge;  ///< whether the range ends at an edge of a periodic box
   bool ends_at_upper_edge;
   bool has_lower_wall;  ///< the disk may touch a wall at the lower bound
   bool has_upper_wall;

@@ -44,8 +44,7 @@ GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apa
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(s.nobody));
   if (s.neighbours != nullptr) {
-    // The last of the sixteen lanes is the number of neighbours. Leaving `apart` out saves most disks of a mixture a
-    // second batch.
+    // The last of the sixteen lanes is the number of neighbours. Without `apart` one batch is mostly enough.
     __m512i const names = _mm512_load_si512(s.neighbours[i].disks);
     auto const others = static_cast<__mmask16>(_mm512_cmpneq_epi32_mask(names, other) & 0x7FFFU);
     _mm512_store_si512(candidates.disks, _mm512_mask_compress_epi32(nobody, others, names));

@@ -16,7 +16,7 @@ namespace {
 
 using Neighbour = Halo::Neighbour;
 
-/// The first part of a process's message about its late disks.
+/// The first part of a process's message about its late disks, which are too fast for their tile.
 struct LateHead {
   int needed_reach;
   bool may_jump;
@@ -199,7 +199,7 @@ void Share::exchange(std::size_t round) {
   for (Neighbour const& neighbour : neighbours) receive_cells(neighbour.process);
 }
 
-/// Stores late disks by Id and cell, because messages change the rows of disks.
+/// Stores disks too fast for their tile by Id and cell, because messages change the rows of disks.
 void Share::note_late(std::uint32_t tile) {
   std::vector<std::uint32_t>& rows = steps_->result_of(tile).not_local;
   for (std::uint32_t const row : rows) {
@@ -218,7 +218,7 @@ void Share::note_late(std::uint32_t tile) {
 
 namespace {
 
-/// Returns the row of a late disk.
+/// Returns the row of a disk that is too fast for its tile.
 std::uint32_t row_of(Steps const& steps, LateDisk const& late) {
   std::uint32_t found = 0;
   steps.grid().for_each_in_cell(late.cell, [&](std::size_t row) {
@@ -334,7 +334,7 @@ bool Share::may_jump(LateGroup const& group) const {
   return !steps_->is_short_at(2.0 * group.energy / group.smallest_mass, group.smallest_radius);
 }
 
-/// Returns the cells that the turn of a late disk may look at and change.
+/// Returns the cells that the turn of a disk too fast for its tile may look at and change.
 CellWindow Share::zone_of(LateDisk const& late) const {
   int const column = late.cell % layout_.columns();
   int const row = late.cell / layout_.columns();

@@ -132,8 +132,8 @@ class Share {
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;
   std::uint64_t steps_since_sort_ = 0;
-  std::vector<LateDisk> late_;  ///< late disks of its own tiles, in the order of their turns
-  bool may_jump_ = false;       ///< whether a late disk of any process may jump over another
+  std::vector<LateDisk> late_;  ///< disks too fast for their tile, in the order of turns
+  bool may_jump_ = false;       ///< whether a disk of any process may jump over another
   std::optional<Jump> jump_;
   std::vector<CountersOfStep> counters_;  ///< counters of the steps since take_counters()
   CellsMessage message_;                  ///< scratch buffer of the message being written or read
