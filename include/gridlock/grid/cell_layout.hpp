@@ -8,7 +8,7 @@
 
 namespace gridlock {
 
-/// How a box is cut into columns × rows equal cells, which the paper calls neighbourhoods.
+/// The division of a box into columns × rows equal cells, which the paper calls neighbourhoods.
 ///
 ///     rows−1 │ … │   │   │        cell = row · columns + column
 ///          1 │ k │   │   │        a periodic box continues on the other side,
@@ -17,7 +17,7 @@ namespace gridlock {
 ///
 /// A point outside a periodic box is in the cell of its image inside, a point outside walls in the nearest cell.
 ///
-/// Errors: no column or row, or more than 2³¹ cells, throws Error.
+/// Errors: Error for no columns or rows, or for more than 2³¹ cells.
 ///
 /// ```cpp
 /// CellLayout const layout = layout_for_cutoff(Box(10.0, 10.0, Edge::periodic), 1.0, 500);
@@ -42,14 +42,14 @@ class CellLayout {
   [[nodiscard]] int row_of(double y) const { return index_of(y, rows_per_length_, rows_, height_); }
   [[nodiscard]] int cell_of(Vector p) const { return row_of(p.y) * columns_ + column_of(p.x); }
 
-  /// The image of a point that lies in its cell; between walls the point itself.
+  /// Returns the image of a point that lies in the box; in a box with walls the point itself.
   [[nodiscard]] Vector image_in_cell(Vector p) const {
     return {image_in_cells(p.x, columns_per_length_, columns_, width_),
             image_in_cells(p.y, rows_per_length_, rows_, height_)};
   }
 
   /// Calls visit(cell) once for every cell within `reach_columns` and `reach_rows` of `cell`, itself included: the 3×3
-  /// block for 1, 1. Cells outside the walls do not exist; a periodic block wider than the box names no cell twice.
+  /// block for 1, 1. There are no cells outside walls; a periodic block wider than the box visits no cell twice.
   template <class Visit>
   void for_each_cell_in_block(int cell, int reach_columns, int reach_rows, Visit visit) const {
     int const row = cell / columns_;
@@ -61,13 +61,13 @@ class CellLayout {
     }
   }
 
-  /// Whether a point is in the 3×3 block around a cell.
+  /// Returns whether a point is in the 3×3 block around a cell.
   [[nodiscard]] bool is_in_block(int cell, Vector p) const {
     int const row = cell / columns_;
     return are_next(cell - row * columns_, column_of(p.x), columns_) && are_next(row, row_of(p.y), rows_);
   }
 
-  /// A cell of a block and how far it is from the middle, so that places in it can be told from places in the middle.
+  /// A cell of a block, and its distance from the middle cell in columns and rows across periodic edges.
   struct CellSeen {
     int column, row;
     int to_the_right, up;
@@ -83,12 +83,14 @@ class CellLayout {
       for (int c = x.first; c < x.end; ++c) visit(CellSeen{wrapped(c, columns_), seen_row, c - column, r - row});
     }
   }
-  /// Whether a block has every column or every row of a periodic box, so that a cell may be on both sides of another.
+  /// Returns whether a block contains every column or every row of a periodic box: a cell may then be seen on two
+  /// sides.
   [[nodiscard]] bool goes_around(int reach_columns, int reach_rows) const {
     return is_periodic_ && (has_all(reach_columns, columns_) || has_all(reach_rows, rows_));
   }
 
-  /// The smallest number of cells to each side that holds every point nearer than `distance` to any point of a cell.
+  /// Return the smallest number of columns or rows to each side that contain every point nearer than `distance` to a
+  /// cell.
   [[nodiscard]] int columns_within(double distance) const {
     return cells_within(distance, columns_per_length_, columns_);
   }
@@ -102,8 +104,8 @@ class CellLayout {
     int end;
   };
 
-  /// Whether a coordinate counted in cells lies in one of them; what decides about images, too, so that whoever asks
-  /// gets the same cell for a coordinate within rounding of an edge.
+  /// Returns whether a coordinate counted in cells lies in the box. Cells and images use the same test, so that they
+  /// agree for a coordinate within rounding of an edge.
   static bool is_in_cells(double index, int count) { return (index >= 0.0) & (index < count); }
   [[nodiscard]] int index_of(double p, double per_length, int count, double side) const {
     double const index = p * per_length;
@@ -114,7 +116,7 @@ class CellLayout {
     return !is_periodic_ || is_in_cells(p * per_length, count) ? p : image_inside(p, side);
   }
   static int cells_within(double distance, double per_length, int count) {
-    // The margins cover rounding: of the distance, relative to it, and of points and index_of(), relative to the side.
+    // The margins cover rounding of the distance, relative to the distance, and of points, relative to the side.
     double const cells = distance * per_length * (1.0 + 1e-12) + 1e-15 * count;
     if (!(cells < count)) return count;
     int const whole = static_cast<int>(cells);
@@ -145,8 +147,8 @@ class CellLayout {
   bool is_periodic_ = false;
 };
 
-/// The finest layout whose 3×3 block holds every point nearer than `cutoff`, with at most about `cells_per_agent`.
-/// Errors: Error for a cutoff that is negative or no number.
+/// Returns the layout with the smallest cells whose 3×3 block contains every point nearer than `cutoff`, with at most
+/// about `cells_per_agent` cells for each agent. Errors: Error for a cutoff that is negative or NaN.
 CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents, double cells_per_agent = 2.0);
 
 }  // namespace gridlock

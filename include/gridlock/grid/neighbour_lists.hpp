@@ -21,7 +21,7 @@
 
 namespace gridlock {
 
-/// Points in memory: point i is at (x[i · stride], y[i · stride]). Rows of a table of two columns have stride 2.
+/// Points in memory: point i is at (x[i · stride], y[i · stride]). The stride is 2 for rows (x, y) of a table.
 struct PointsInMemory {
   double const* x = nullptr;
   double const* y = nullptr;
@@ -31,57 +31,58 @@ struct PointsInMemory {
 
 /// Pairs of points nearer than a cutoff, each once: pair k is (first()[k], second()[k]).
 struct PointPairs {
-  UninitializedArray<std::uint32_t> indices;  ///< all first ones, and behind them all second ones
+  UninitializedArray<std::uint32_t> indices;  ///< the first points of all pairs, then the second points of all pairs
 
   [[nodiscard]] std::size_t size() const { return indices.size() / 2; }
   [[nodiscard]] std::span<std::uint32_t const> first() const { return std::span(indices).first(size()); }
   [[nodiscard]] std::span<std::uint32_t const> second() const { return std::span(indices).subspan(size()); }
 };
 
-/// The neighbours of every point in one list (compressed sparse rows): those of point i are
+/// The neighbours of every point in one list (compressed sparse rows): the neighbours of point i are
 /// neighbours[begin[i]] … neighbours[begin[i + 1] − 1]. `begin` has one entry more than there are points.
 struct NeighbourLists {
   std::vector<std::uint64_t> begin;
   UninitializedArray<std::uint32_t> neighbours;
 };
 
-/// All pairs of points with |separation| < cutoff, the minimum image in a periodic box.
+/// Returns all pairs of points with |separation| < cutoff, for the minimum image in a periodic box.
 ///
-/// Coordinates may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for
-/// themselves. The order of the pairs is a function of the points alone, not of `threads` (0: all cores).
+/// Coordinates may be any finite numbers: a point outside a periodic box means its image inside, a point outside walls
+/// stays outside. The order of the pairs depends on the points alone, not on `threads` (0: one for each core).
 /// Errors: those of NeighbourSearch. Cost: docs/reference/performance.md.
 PointPairs find_pairs(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
 
-/// The neighbours of every point, itself left out; see find_pairs().
+/// Returns the neighbours of every point, without the point itself; see find_pairs() for order, errors and cost.
 NeighbourLists find_neighbour_lists(Box const& box, double cutoff, PointsInMemory const& points,
                                     std::uint64_t threads = 1);
 
-/// How near two disks must be: |separation| < factor · (R_i + R_j) + gap.
+/// The condition for a pair of disks: |separation| < factor · (R_i + R_j) + gap.
 struct DiskReach {
   double factor = 1.0;
   double gap = 0.0;
 };
 
-/// All pairs of disks that are so near, the minimum image in a periodic box; radius[i] is that of the disk at point i.
+/// Returns all pairs of disks with |separation| < factor · (R_i + R_j) + gap, for the minimum image in a periodic box.
+/// The disk at point i has radius[i].
 ///
-/// Disks of like size share a grid of cells, and a small disk looks for large ones in theirs, so that few large disks
-/// among many small ones cost what as many small ones do (hierarchical grids: Krijgsman, Ogarko and Luding 2014,
-/// doi:10.1007/s40571-014-0020-9). The order of the pairs is a function of the disks alone.
-/// Errors: those of find_pairs() with the reach of the two largest; Error for other than one radius a disk, radii that
-/// are not positive, and a factor that is not.
-/// Cost: that of find_pairs() for equal disks; docs/reference/performance.md.
+/// Disks of similar size share a grid of cells, and small disks search for large disks in the coarse grid: a few large
+/// disks among many small disks cost no more than small disks (hierarchical grids: Krijgsman, Ogarko and Luding 2014,
+/// doi:10.1007/s40571-014-0020-9). The order of the pairs depends on the disks alone. Errors: those of find_pairs()
+/// with the distance of the two largest disks as its cutoff; Error unless there is one positive radius for each disk
+/// and the factor is positive. Cost: that of find_pairs() for equal disks; docs/reference/performance.md.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.0, 5.5, 6.3};
 /// std::vector<double> const y{0.0, 0.0, 0.0};
 /// std::vector<double> const radius{5.0, 0.4, 0.4};
-/// PointPairs const pairs = find_pairs_of_disks(Box(30.0, 30.0, Edge::periodic), {.gap = 0.2}, {.x = x.data(), .y = y.data(), .count = 3}, radius);
-/// std::size_t const near = pairs.size();  // 2: the large disk and the first small one are 0.1 apart, the two small ones touch
+/// PointPairs const pairs = find_pairs_of_disks(Box(30.0, 30.0, Edge::periodic), {.gap = 0.2},
+///                                              {.x = x.data(), .y = y.data(), .count = 3}, radius);
+/// std::size_t const near = pairs.size();  // 2: disks 0 and 1 are 0.1 apart, disks 1 and 2 touch
 /// ```
 PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
                                std::span<double const> radius, std::uint64_t threads = 1);
 
-/// The same for points without a box, wherever they are.
+/// Return pairs or neighbours of points in the plane, without a box; see find_pairs() above.
 PointPairs find_pairs(double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
 NeighbourLists find_neighbour_lists(double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
 

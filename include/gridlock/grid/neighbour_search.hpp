@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// Who is nearer than a cutoff to whom, among any points of a box.
+/// A search for the pairs of points of a box that are nearer than a cutoff, and for the neighbours of a point.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.1, 0.9, 0.5};
@@ -23,32 +23,30 @@ namespace gridlock {
 /// search.for_each_neighbour(0, [](std::size_t j, Vector separation) { /* r_j − r_0 */ });
 /// ```
 ///
-/// A separation is measured in double precision, the minimum image in a periodic box; |separation| < cutoff.
-/// Coordinates may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for
-/// themselves, which is right but slow where there are many. The order of the visits is a function of the points alone,
-/// and of those before where they were updated.
+/// Neighbours have |separation| < cutoff, measured in double precision to the minimum image in a periodic box.
+/// Coordinates may be any finite numbers: a point outside a periodic box means its image inside; many points outside
+/// walls make the search slow. The order of visits depends only on the points and on those before each update().
 ///
-/// The search keeps views of x and y, not copies. They must stay as they are, and where they are, until update() or the
-/// end of the search. Several threads may search at once.
+/// The search keeps views of x and y, not copies. Do not change or free them before update() or the end of the search.
+/// Several threads may search at the same time.
 /// Errors: Error for lists of different lengths, coordinates that are not finite, more than 250 million points, a
 /// cutoff outside 10⁻⁶⁰ … 10⁶⁰ or above half the shorter side of a periodic box, and a box with sides outside that
 /// range.
-/// Cost for a million points in no order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns for
-/// all pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.8 times as much for
-/// building and an update, up to 1.5 times as much for all pairs, and as much for an update as for building where more
-/// than one point in eight comes to another cell. Whether points crowd no longer is asked after as many have come to
-/// other cells as there are points.
+/// Cost for a million points in random order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns
+/// for all pairs (AMD Zen 4); 60 bytes a point. If points crowd in a part of the box, building and updates take up to
+/// 2.8 times as long, all pairs up to 1.5 times; an update takes as long as building if more than one point in eight
+/// changes its cell. After as many changes of cell as there are points, the search tests again whether points crowd.
 class NeighbourSearch {
  public:
-  /// Point i is at (x[i], y[i]).
+  /// Prepares a search for points at (x[i], y[i]).
   NeighbourSearch(Box const& box, double cutoff, std::span<double const> x, std::span<double const> y);
 
   [[nodiscard]] Box const& box() const { return box_; }
   [[nodiscard]] double cutoff() const { return cutoff_; }
   [[nodiscard]] std::size_t size() const { return x_.size(); }
 
-  /// Point i is at (x[i], y[i]) now: cheaper than a new search where most points have moved less than the cutoff.
-  /// Errors: Error for another number of points, and for coordinates that are not finite; nothing has changed then.
+  /// Moves point i to (x[i], y[i]): faster than a new search if most points have moved less than the cutoff. Errors:
+  /// Error for another number of points or coordinates that are not finite; the search is then unchanged.
   void update(std::span<double const> x, std::span<double const> y);
 
   /// Calls visit(i, j, separation) once for every pair, where i > j and separation = r_j − r_i.
@@ -61,8 +59,8 @@ class NeighbourSearch {
     }
   }
 
-  /// Calls visit(j, separation) once for every neighbour j of point i, which is none of them; separation = r_j − r_i.
-  /// Errors: Error where there is no point i.
+  /// Calls visit(j, separation) once for every neighbour j ≠ i of point i; separation = r_j − r_i. Errors: Error for an
+  /// i that is not below size().
   template <class Visit>
   void for_each_neighbour(std::size_t i, Visit visit) const {
     require_point(i);
@@ -71,7 +69,8 @@ class NeighbourSearch {
     });
   }
 
-  /// The same for the points around any place: separation = r_j − p. Errors: Error where p is not finite.
+  /// Calls visit(j, separation) once for every point j near p; separation = r_j − p. Errors: Error for a p that is not
+  /// finite.
   template <class Visit>
   void for_each_neighbour(Vector p, Visit visit) const {
     require_finite(p);
@@ -88,14 +87,14 @@ class NeighbourSearch {
       gridlock::for_each_neighbour(points(), grid_, cutoff_, p, std::move(visit));
     }
   }
-  /// By itself, or the compiler would not put what the caller does into the loop of the other one.
+  /// Not inlined: otherwise the compiler would not inline `visit` into the loop for points that do not crowd.
   template <class Visit>
   [[gnu::noinline]] void visit_near_in_crowd(Vector p, Visit visit) const {
     gridlock::for_each_neighbour(points(), *crowd_, cutoff_, p, std::move(visit));
   }
-  /// The cells of points that do not crowd.
+  /// Returns the cells for points that do not crowd.
   [[nodiscard]] CellLayout plain_layout() const;
-  /// Makes that of points that crowd in cells of `layout`, and returns whether they do.
+  /// Makes crowd_ if the points crowd in cells of `layout`, and returns whether they do.
   bool make_grid_of_crowd(CellLayout const& layout);
   [[nodiscard]] bool has_crowd(CellLayout const& layout) const;
   void require_point(std::size_t i) const;
@@ -105,9 +104,9 @@ class NeighbourSearch {
   double cutoff_;
   std::span<double const> x_;
   std::span<double const> y_;
-  PackedGrid grid_;                  ///< of points that do not crowd
-  std::optional<SortedGrid> crowd_;  ///< of points that do
-  std::size_t arrivals_ = 0;         ///< in other cells, since they were found to crowd
+  PackedGrid grid_;                  ///< used for points that do not crowd
+  std::optional<SortedGrid> crowd_;  ///< used for points that crowd, else empty
+  std::size_t arrivals_ = 0;         ///< changes of cell since the last test whether points crowd
 };
 
 }  // namespace gridlock

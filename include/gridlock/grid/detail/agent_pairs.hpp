@@ -9,26 +9,26 @@
 
 namespace gridlock {
 
-/// Two agents by their numbers. Kernels write it as one number of 64 bits, the first agent in its lower half.
+/// The numbers of two agents. Kernels write a pair as an integer of 64 bits with the first agent in its lower half.
 struct AgentPair {
   std::uint32_t first;
   std::uint32_t second;
   friend bool operator==(AgentPair const&, AgentPair const&) = default;
 };
 
-/// Takes a portion of pairs, none to 1,024 of them.
+/// A function that takes a portion of 0 to 1,024 pairs.
 using OnPairs = std::function<void(std::span<AgentPair const>)>;
 
-/// Whether most pairs of a portion are of agents whose numbers are far from each other, by a sample.
+/// Returns whether the two agents of most pairs have numbers far from each other, by a sample of the pairs.
 bool are_scattered(std::span<AgentPair const> pairs);
 
-/// Asks for nothing before a pair is visited.
+/// Prefetches nothing before a pair is visited.
 struct ExpectNothing {
   void operator()(std::size_t, std::size_t) const {}
 };
 
-/// visit_pairs() for scattered ones. By itself, or it would change how the loop over agents near each other in memory
-/// is compiled.
+/// Visits pairs and prefetches later ones, see visit_pairs(). Not inlined: otherwise the compiler makes the loop of
+/// visit_pairs() slower.
 template <class Visit, class Expect>
 [[gnu::noinline]] void visit_pairs_ahead(std::span<AgentPair const> pairs, Visit& visit, Expect& expect) {
   constexpr std::size_t ahead = 48;
@@ -40,8 +40,8 @@ template <class Visit, class Expect>
   }
 }
 
-/// Calls visit(i, j) for each pair of a portion. Where agents near each other have numbers far from each other,
-/// expect(i, j) is called some pairs before, to ask for memory.
+/// Calls visit(i, j) for each pair of a portion. If are_scattered(pairs), it calls expect(i, j) some pairs earlier, to
+/// prefetch memory.
 template <class Visit, class Expect>
 void visit_pairs(std::span<AgentPair const> pairs, Visit& visit, Expect& expect) {
   if constexpr (!std::is_same_v<Expect, ExpectNothing>) {

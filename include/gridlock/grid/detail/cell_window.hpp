@@ -7,7 +7,7 @@
 
 namespace gridlock {
 
-/// A rectangle of cells. Around a periodic box it may begin below 0 or end beyond the last column or row.
+/// A rectangle of cells. In a periodic box it may begin below 0 or end beyond the last column or row.
 struct CellWindow {
   int first_column = 0, end_column = 0;
   int first_row = 0, end_row = 0;
@@ -15,7 +15,8 @@ struct CellWindow {
   friend bool operator==(CellWindow const&, CellWindow const&) = default;
 };
 
-/// The part of a window that a walled box has, or all columns or rows of a periodic one where it has as many.
+/// Returns the part of a window inside walls. In a periodic box a window that is wider than the box becomes the whole
+/// box.
 inline CellWindow within(CellLayout const& layout, CellWindow window) {
   auto const cut = [&](int& begin, int& end, int all) {
     if (!layout.is_periodic()) {
@@ -31,7 +32,7 @@ inline CellWindow within(CellLayout const& layout, CellWindow window) {
   return window;
 }
 
-/// Numbers 0, 1, 2 … for the cells of a window, in the order that the cells have in the whole box.
+/// Numbers the cells of a window 0, 1, 2 … in the order of the cells in the whole box.
 ///
 ///     a window that goes around     ┌──────────┐      columns of the box  0 1 │ 2 … 7 │ 8 9
 ///     the box, of columns 8 … 11    │01      23│      of the window       0 1 │       │ 2 3
@@ -52,7 +53,8 @@ class CellNumbers {
   [[nodiscard]] std::size_t count() const {
     return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
   }
-  /// The number of a cell of the window; for other columns of its rows how many cells come before.
+  /// Returns the number of a cell of the window; for a cell beside the window in one of its rows, the number of cells
+  /// before.
   [[nodiscard]] std::size_t number_of(int column, int row) const {
     if (is_whole_) {
       return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_.end) + static_cast<std::size_t>(column);
@@ -60,7 +62,7 @@ class CellNumbers {
     return static_cast<std::size_t>(rows_.place_of(row)) * static_cast<std::size_t>(columns()) +
            static_cast<std::size_t>(columns_.place_of(column));
   }
-  /// The column of the box, for a column of the window; the same for rows.
+  /// Return the column or row of the box that is number `place` in the window.
   [[nodiscard]] int column_at(int place) const { return columns_.at(place); }
   [[nodiscard]] int row_at(int place) const { return rows_.at(place); }
 

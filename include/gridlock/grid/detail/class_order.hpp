@@ -15,28 +15,27 @@
 
 namespace gridlock {
 
-/// The order of the turns of some tiles of one colour, which touch no common cell. A tile takes its turns class by
-/// class of cells three apart in both directions, and in a class level by level: first the agents with the lowest Id of
-/// every cell, then those with the second lowest, … Level by level the turns of a class come tile after tile, so each
-/// tile has its own order in it.
+/// The order of turns in tiles of one colour, which touch no common cell. The cells of a tile form nine classes of
+/// cells three apart in both directions, whose turns come class by class. A class has levels: first the agent with the
+/// lowest Id of every cell, then the agent with the second lowest Id, and so on. In a level the turns come tile after
+/// tile.
 ///
 ///     classes    6 7 8 6 7 8     The agents of one class and one level have no neighbour in common, so their turns
 ///     of cells:  3 4 5 3 4 5     can be prepared together before any of them is taken.
 ///                0 1 2 0 1 2
 ///
-/// Agents of a class stay where they are until it is their turn, and those that come into its cells have had theirs:
-/// what has been found at the beginning of a class stays right.
+/// An order found at the beginning of a class stays right: no agent of the class moves before its turn, and agents that
+/// move into its cells have already had their turns.
 class ClassOrder {
  public:
   using Block = PackedGrid::Block;
   static constexpr std::size_t classes = 9;
-  /// So many more turns may be read behind the last one; they are of agents of the grid.
+  /// The number of entries behind the last turn that may be read; they repeat the last turn.
   static constexpr std::size_t beyond = 8;
 
-  /// Finds the turns of a class. id_of(row) is the Id of a row, or a number in the same order, and any number for a row
-  /// that nobody has.
-  /// take_waiting(block), called once for each block, returns its marks with bit s set where the agent in slot s waits
-  /// for its turn, and no other of the bits of slots.
+  /// Finds the turns of a class. id_of(row) returns the Id of a row, or a number in the same order, and any number for
+  /// an unused row. take_waiting(block), called once for each block, returns its marks with bit s of the slots set if
+  /// and only if the agent in slot s waits for its turn.
   template <class IdOf, class TakeWaiting>
   void find(PackedGrid& grid, Tiling const& tiling, std::span<std::uint32_t const> tiles, std::size_t of_class,
             IdOf id_of, TakeWaiting take_waiting) {
@@ -56,16 +55,16 @@ class ClassOrder {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  // Of the agents, in the order of their turns.
+  // These arrays have one entry for each agent, in the order of the turns.
   [[nodiscard]] std::uint32_t const* rows() const { return rows_.data(); }
-  /// Which of the tiles they are in.
+  /// Returns for each agent the index of its tile in `tiles` of find().
   [[nodiscard]] std::uint8_t const* tiles() const { return tiles_.data(); }
-  /// Right for those of the last batch.
+  /// Return the block and slot of each agent, valid only for the last batch.
   [[nodiscard]] Block* const* blocks() const { return blocks_.data(); }
   [[nodiscard]] std::uint8_t const* slots() const { return slots_.data(); }
 
-  /// The end of a batch of up to `most` agents from `first` on, of different cells. Contract: all before have had their
-  /// turns.
+  /// Returns the end of a batch of up to `most` agents of different cells that begins with `first`. Contract: all
+  /// agents before `first` have had their turns.
   [[nodiscard]] std::size_t next_batch(PackedGrid& grid, std::size_t first, std::size_t most) {
     std::size_t const limit = std::min(first + most, size_);
     std::size_t end = std::min(limit, std::max(first, end_of_first_));
@@ -73,7 +72,7 @@ class ClassOrder {
     std::uint32_t const* const rows = rows_.data();
     Block** const blocks = blocks_.data();
     std::uint8_t* const slots = slots_.data();
-    // An agent is not in one batch with the one before it in its cell, whose turn may give it another slot.
+    // A batch has at most one agent of a cell, since the turn of the one before may move it to another slot.
     for (; end < limit && after[end] < first; ++end) {
       PackedGrid::Place const place = grid.place_of(rows[end]);
       blocks[end] = place.block;
@@ -83,10 +82,10 @@ class ClassOrder {
   }
 
  private:
-  /// A cell in which several agents wait.
+  /// A cell in which several agents wait for their turns.
   struct Several {
-    std::uint32_t last;     ///< of those whose turns have been added
-    std::uint32_t waiting;  ///< as in WaitingInBlock, or is_chain and the number of a chain
+    std::uint32_t last;     ///< index of the last turn added for the cell
+    std::uint32_t waiting;  ///< entry of WaitingInBlock::waiting, or is_chain and an index in chains_
   };
   static constexpr std::uint32_t is_chain = 1U << 31;
 
@@ -101,7 +100,8 @@ class ClassOrder {
     several_.resize(room);
   }
 
-  /// Adds the first ones of the cells of a tile. Nothing but what is written depends on who waits.
+  /// Adds the first waiting agent of each cell of a tile. No branch depends on which agents wait, since the processor
+  /// cannot predict it.
   template <class IdOf, class TakeWaiting>
   void add_tile(PackedGrid& grid, Tiling::Tile const& tile, std::uint8_t number, std::size_t of_class, IdOf id_of,
                 TakeWaiting& take_waiting) {
@@ -149,7 +149,7 @@ class ClassOrder {
     size_ = n;
   }
 
-  /// Finds those who wait in a cell of several blocks, in the order of Ids; returns the bits `any` and `several` of
+  /// Finds the waiting agents of a cell of several blocks, in the order of Ids. Returns the bits `any` and `several` of
   /// WaitingInBlock.
   template <class IdOf, class TakeWaiting>
   [[gnu::noinline]] unsigned find_in_chain(PackedGrid& grid, Block& first, IdOf id_of, TakeWaiting& take_waiting) {
@@ -167,7 +167,7 @@ class ClassOrder {
     return WaitingInBlock::any | (chains_.back().size() > 1 ? WaitingInBlock::several : 0U);
   }
 
-  /// Adds those behind the first ones of their cells, level by level.
+  /// Adds the second and later waiting agents of all cells, level by level.
   void add_levels() {
     std::size_t left = several_size_;
     for (unsigned level = 1; left > 0; ++level) {
@@ -204,15 +204,15 @@ class ClassOrder {
   }
 
   std::size_t size_ = 0;
-  std::size_t end_of_first_ = 0;  ///< of the first ones of their cells
+  std::size_t end_of_first_ = 0;  ///< end of the first level
   std::size_t several_size_ = 0;
   std::vector<std::uint32_t> rows_;
   std::vector<Block*> blocks_;
   std::vector<std::uint8_t> slots_;
   std::vector<std::uint8_t> tiles_;
-  std::vector<std::uint32_t> after_;  ///< the one before in its cell; not of the first ones
+  std::vector<std::uint32_t> after_;  ///< index of the turn before in the same cell; unused in the first level
   std::vector<Several> several_;
-  std::vector<std::vector<std::uint32_t>> chains_;  ///< who waits in cells of several blocks
+  std::vector<std::vector<std::uint32_t>> chains_;  ///< rows of waiting agents, for each cell of several blocks
 };
 
 }  // namespace gridlock

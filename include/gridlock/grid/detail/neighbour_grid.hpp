@@ -9,12 +9,12 @@
 
 namespace gridlock {
 
-/// A search needs these functions of a grid:
+/// A grid for searches has these functions:
 ///
 /// - for_each_candidate(p, cutoff, visit): calls visit(j) once for every agent nearer to p than `cutoff`, and for some
-///   that are farther: the caller measures the distance that counts.
-/// - for_each_candidate_pair(cutoff, visit, expect): calls visit(i, j) once for every pair nearer than `cutoff`, either one first,
-///   and for some that are farther; it may call expect(i, j) some time before, to ask for memory.
+///   farther agents: the caller measures the exact distance.
+/// - for_each_candidate_pair(cutoff, visit, expect): calls visit(i, j) once for every pair nearer than `cutoff`, in
+///   either order, and for some farther pairs; it may call expect(i, j) some time before, to prefetch memory.
 template <class Grid>
 concept SearchGrid = requires(Grid const same, Vector p, double cutoff, void (*visit)(std::size_t),
                               void (*visit_pair)(std::size_t, std::size_t)) {
@@ -23,17 +23,17 @@ concept SearchGrid = requires(Grid const same, Vector p, double cutoff, void (*v
   same.for_each_candidate_pair(cutoff, visit_pair, visit_pair);
 };
 
-/// A grid must know this of the agents it holds, named by their row in the population, so that every search works on
-/// any grid: LinkedGrid keeps the paper's lists, PackedGrid keeps the agents of a cell side by side in memory.
+/// A grid that follows moving agents has these functions. Agents are numbered by their rows. LinkedGrid keeps the
+/// linked lists of the paper, PackedGrid keeps the agents of a cell side by side in memory.
 ///
-/// - insert, erase, move: O(1), one agent appears, disappears, is somewhere else. A grid may copy the point, so move()
-///   follows every motion, also one within a cell.
-/// - reserve(agents): makes room for agents 0 … agents − 1, so that inserting them costs no more than that.
-/// - move_all(x, y): agent i of all that are held is at (x[i], y[i]).
-/// - for_each_in_cell, for_each_in_block: the agents of one cell, or of a block of cells around it.
+/// - insert, erase, move: add, remove or move one agent, in O(1). A grid may copy the point, so the caller
+///   must call move() after every motion, also within a cell.
+/// - reserve(agents): allocates memory for agents 0 … agents − 1, so that insert() allocates none.
+/// - move_all(x, y): moves every agent i of the grid to (x[i], y[i]).
+/// - for_each_in_cell, for_each_in_block: call visit(agent) for the agents of a cell, or of a block of cells around it.
 ///
-/// Points may be any finite ones: outside a periodic box they stand for their image inside, outside walls for
-/// themselves.
+/// Points may be any finite points: a point outside a periodic box means its image inside, a point outside walls stays
+/// outside.
 template <class Grid>
 concept NeighbourGrid = SearchGrid<Grid> && requires(Grid grid, Grid const same, std::size_t agent, Vector p, int cell,
                                                      std::span<double const> x, void (*visit)(std::size_t)) {

@@ -21,15 +21,14 @@
 
 namespace gridlock {
 
-/// The same cells as LinkedGrid, laid out for vector instructions: the agents of a cell are side by side in one
-/// cache line, with their positions inside the cell, so that four distances cost one instruction each and most
-/// neighbours are dismissed without a look at the population.
+/// A grid laid out for vector instructions: the agents of a cell and their positions in it share a cache line, so that
+/// one instruction tests four distances, and most agents are found to be too far without reading the population.
 ///
 ///     cell ─► ┌ x x x x │ y y y y │ agent ×4 │ next, count, column, row ┐   64 bytes
 ///             └──────────────────────────────────────────────│──────────┘
 ///                            next ─► another block, where a cell holds more than four agents
 ///
-///     the blocks of the cells lie in the order of the cells; ∅ is empty, in place of the neighbours that a cell at a wall does not have:
+///     blocks are in the order of the cells; ∅ is an empty block, for a neighbour that a cell at a wall lacks:
 ///
 ///     rows    │ ∅ │ ∅ │ ∅ │ ∅ │
 ///          1  │   │   │   │ ∅ │
@@ -37,59 +36,58 @@ namespace gridlock {
 ///           ∅ │ ∅ │ ∅ │ ∅ │ ∅ │
 ///               0   1   2  columns
 ///
-/// Places inside a cell are single precision, in units of the longer side of a cell: 1e-7 of a cell. They only say who
-/// may be near; whoever visits the candidates measures the distance that counts in double precision. A distance
-/// between cells knows nothing of the edges of the box, so a periodic box costs nothing.
+/// Positions inside a cell have single precision, 1e-7 of the longer side of a cell, which is their unit. They only
+/// select candidates; the caller measures exact distances in double precision. Positions are relative to cells, so that
+/// periodic edges need no extra work.
 ///
-/// A grid may store a window of the cells alone, as if the others were empty. Cells keep the numbers that they have in
-/// the whole box.
+/// A grid may store only a window of the cells: all other cells count as empty. Cells keep their numbers in the whole
+/// box.
 ///
-/// Insert, erase and move cost O(1) whatever the size of the cell. Memory: 64 bytes for each cell and each further four
-/// agents, and for each cell of a column and two rows more, which are empty; 4 bytes for each agent.
-/// Contract: an agent is inserted once before it is moved or erased (asserted), and moved whenever its place changes.
+/// Insert, erase and move cost O(1) whatever the size of the cell. Memory: 64 bytes for each block: one for each cell,
+/// for each further four agents of a cell and for each empty cell at the edges; and 4 bytes for each agent.
+/// Contract: an agent is inserted once before it is moved or erased (asserted), and moved whenever its position
+/// changes.
 class PackedGrid {
  public:
   static constexpr std::size_t slots = 4;
 
   struct alignas(64) Block {
-    std::array<float, slots> x;  ///< inside the cell; `nowhere` in an empty slot
+    std::array<float, slots> x;  ///< position in the cell; `nowhere` in an empty slot
     std::array<float, slots> y;
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
     std::uint16_t count;  ///< the first `count` slots are taken
-    /// Bit s belongs to the agent in slot s, with which it moves; it is 0 when an agent comes. The others but for
-    /// `changed` stay as they are. All are for the caller to write; `changed` is set in the first block of a cell
-    /// whenever an agent comes into the cell or leaves it.
+    /// Flags for the caller. Bit s moves with the agent in slot s, and is cleared when an agent enters. The grid sets
+    /// `changed` in the first block of a cell whenever an agent enters or leaves the cell, and no other bits.
     std::uint16_t marks;
     std::int32_t column;
     std::int32_t row;
   };
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-  static constexpr std::uint16_t changed = 0x8000;  ///< of Block::marks
+  static constexpr std::uint16_t changed = 0x8000;  ///< a bit of Block::marks
 
-  /// A point as seen from a cell, in units of the longer side of a cell.
+  /// A position relative to the lower left corner of a cell, in units of the longer side of a cell.
   struct LocalPoint {
     float x;
     float y;
   };
 
   PackedGrid() = default;
-  /// With room for agents 0 … agents − 1: asking for it at once takes half the memory that asking for it later does.
+  /// Makes a grid with room for agents 0 … agents − 1; reserve() later would take up to twice the memory.
   explicit PackedGrid(CellLayout const& layout, std::size_t agents = 0);
-  /// Stores the cells of a window, all columns or rows where it has as many. Contract: it lies within walls.
+  /// Makes a grid that stores the cells of a window. Contract: the window lies inside walls.
   PackedGrid(CellLayout const& layout, CellWindow const& window, std::size_t agents);
-  /// Holds every point given, agent i at (x[i], y[i]).
+  /// Makes a grid with agent i at (x[i], y[i]).
   /// Errors: Error for lists of different lengths, and for coordinates that are not finite.
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
-  /// The cells that are stored.
   [[nodiscard]] CellWindow const& window() const { return window_; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Blocks behind the first ones of the cells, those included that are no longer in use.
+  /// Returns the number of blocks besides one for each cell, also those no longer in use.
   [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
-  /// Whether a cell has more agents than a block. Other threads may move agents meanwhile: it is right for the cells
-  /// that they leave alone.
+  /// Returns whether some cell has more than one block. If other threads move agents meanwhile, the answer is right for
+  /// all cells that they do not change.
   [[nodiscard]] bool has_further_blocks() const {
     return std::atomic_ref(further_blocks_in_use_).load(std::memory_order_relaxed) != 0;
   }
@@ -99,7 +97,6 @@ class PackedGrid {
     return block.row * layout_.columns() + block.column;
   }
 
-  /// Room for agents 0 … agents − 1.
   void reserve(std::size_t agents) {
     if (agents > place_.size()) grow(agents);
   }
@@ -111,8 +108,8 @@ class PackedGrid {
     ++size_;
   }
 
-  /// Inserts agents of one cell, which has none, such that for_each_in_cell() visits them in this order, as in another
-  /// grid that it visited. The order of an agent that comes later, or leaves, is as there, too.
+  /// Inserts agents into one empty cell such that for_each_in_cell() visits them in this order. A cell copied from
+  /// another grid in this way keeps the same order, also after later insertions and removals.
   template <class PlaceOf>
   void insert_in_order(std::span<std::uint32_t const> agents, PlaceOf place_of) {
     auto const insert_all = [&](std::span<std::uint32_t const> some) {
@@ -120,7 +117,7 @@ class PackedGrid {
     };
     insert_all(agents.first(std::min(slots, agents.size())));
     if (agents.size() <= slots) return;
-    // A block that is linked comes before those linked earlier, and only the last one linked may have room.
+    // A new block is linked before earlier ones, and only the newest block may have empty slots.
     std::span<std::uint32_t const> const further = agents.subspan(slots);
     std::size_t const newest = (further.size() - 1) % slots + 1;
     for (std::size_t end = further.size(); end > newest; end -= slots) insert_all(further.subspan(end - slots, slots));
@@ -134,7 +131,7 @@ class PackedGrid {
     --size_;
   }
 
-  /// The agent `from` is called `to` from now on, which nobody is called yet; it stays where it is.
+  /// Renumbers the agent `from` to `to`. Contract: no agent has the number `to`.
   void rename(std::size_t from, std::size_t to) {
     assert(contains(from) && to < place_.size() && place_[to] == none);
     Block& block = block_of(from);
@@ -143,21 +140,21 @@ class PackedGrid {
     place_[to] = std::exchange(place_[from], none);
   }
 
-  // Ask for memory that will be needed soon, so that births and deaths of many agents do not wait for one another.
+  // The functions below prefetch memory, so that births and deaths of many agents do not wait for it one by one.
 
-  /// For erase() and move(): what says where an agent is, and when that has had time to come, the block it is in.
+  /// Before erase() and move(): prefetch the index of an agent, and some time later its block.
   void prefetch(std::size_t agent) const { gridlock::prefetch(place_.data() + agent); }
   void prefetch_block_of(std::size_t agent) const {
     if (place_[agent] != none) gridlock::prefetch(&block_of(agent));
   }
-  /// And when the block has come: who takes the place of the agent.
+  /// Some time after prefetch_block_of(): prefetches the agent that erase() will move into the slot.
   void prefetch_successor_of(std::size_t agent) const {
     if (place_[agent] == none) return;
     Block const& block = block_of(agent);
     if (block.next != none) gridlock::prefetch(&blocks_[block.next]);
     if (block.count > 0) gridlock::prefetch(place_.data() + block.agent[block.count - 1]);
   }
-  /// For insert(): the cell of a point.
+  /// Before insert(): prefetch the cell of a point.
   void prefetch_cell_of(Vector p) const {
     gridlock::prefetch(&blocks_[index_of(layout_.column_of(p.x), layout_.row_of(p.y))]);
   }
@@ -166,11 +163,11 @@ class PackedGrid {
     if (block.next != none) gridlock::prefetch(&blocks_[block.next]);
   }
 
-  /// Agents of cells more than two cells apart may be moved by different threads at once.
+  /// Moves an agent. Threads may move agents at the same time if their cells are more than two cells apart.
   void move(std::size_t agent, Vector p) {
     assert(contains(agent));
     Block& block = block_of(agent);
-    // The differences are exact where they are within [0, 1), so they say which cell column_of() and row_of() would.
+    // Differences in [0, 1) are exact, so that this test gives the same cell as column_of() and row_of().
     double const x = p.x * layout_.columns_per_length() - block.column;
     double const y = p.y * layout_.rows_per_length() - block.row;
     if ((x >= 0.0) & (x < 1.0) & (y >= 0.0) & (y < 1.0)) {
@@ -181,11 +178,11 @@ class PackedGrid {
     }
   }
 
-  /// For a caller that has found out what move() asks: the agent in this slot is here now, in the same cell.
+  /// Moves the agent in a slot to `p` in the same cell, for a caller that has checked that its cell stays the same.
   static void place_within_cell(Block& block, std::uint32_t slot, LocalPoint p) { write_lanes(block, slot, p); }
 
-  /// Agent i of all that are held is at (x[i], y[i]).
-  /// Errors: Error for lists of different lengths, or too short for the agents held.
+  /// Moves every agent i of the grid to (x[i], y[i]).
+  /// Errors: Error for lists of different lengths, or shorter than the number of agents.
   void move_all(std::span<double const> x, std::span<double const> y);
 
   template <class Visit>
@@ -195,7 +192,6 @@ class PackedGrid {
     });
   }
 
-  /// Whether the window has a cell.
   [[nodiscard]] bool stores(int column, int row) const {
     return stored(column, window_.first_column, window_.end_column, layout_.columns()) <
                window_.end_column - window_.first_column &&
@@ -208,34 +204,34 @@ class PackedGrid {
     layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
   }
 
-  /// Calls visit(j) once for every agent nearer to p than `cutoff`, and for a few that are farther, in the order in
-  /// which for_each_in_block() comes to them. Contract: the window, if there is one, holds that block, on the same side
-  /// of the cell.
+  /// Calls visit(j) once for every agent nearer to p than `cutoff`, and for a few farther ones, in the order of
+  /// for_each_in_block(). Contract: the window contains the block of cells around p, without crossing a periodic edge
+  /// outside it.
   template <class Visit>
   void for_each_candidate(Vector p, double cutoff, Visit visit) const;
 
-  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some that are farther; expect(i, j) before, as
-  /// visit_pairs().
+  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some farther pairs. May call expect(i, j)
+  /// earlier, see visit_pairs().
   template <class Visit, class Expect = ExpectNothing>
   void for_each_candidate_pair(double cutoff, Visit visit, Expect expect = {}) const {
     find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) { visit_pairs(pairs, visit, expect); });
   }
 
-  /// The same pairs in portions. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
-  /// elsewhere, chosen at run time; the same pairs in the same order with any.
-  /// Errors: Error for a cutoff that is negative or no number.
+  /// Calls on_pairs for portions of the pairs of for_each_candidate_pair(). Sixteen candidates are tested at a time
+  /// with AVX-512, eight with AVX2, else four; pairs and order are the same.
+  /// Errors: Error for a cutoff that is negative or NaN.
   void find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const;
 
-  /// Whether every block holds only agents of its cell, at their places, and all agents are in one.
+  /// Returns whether every agent is in exactly one block, of its cell, with its position.
   /// Cost: O(agents + cells); for tests and audits.
   [[nodiscard]] bool is_consistent() const;
 
-  // A search that knows more than a cutoff is made of these; see src/grid/candidate_pairs.cpp for how.
+  // The functions below are for searches with other conditions than a cutoff; see src/grid/candidate_pairs.cpp for an
+  // example.
 
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
-  /// Where an agent is: its block and its slot in it.
   struct Place {
     Block* block;
     std::uint32_t slot;
@@ -244,22 +240,21 @@ class PackedGrid {
     std::uint32_t const place = place_[agent];
     return {.block = &blocks_[place / slots], .slot = static_cast<std::uint32_t>(place % slots)};
   }
-  /// Contract: the cell is in the window, or one of the empty ones beside it.
+  /// Returns the first block of a cell. Contract: the cell is in the window, or an empty cell beside it.
   [[nodiscard]] Block const& block_at(int column, int row) const {
     return blocks_[static_cast<std::size_t>(row * static_cast<std::ptrdiff_t>(stride_) + column - first_)];
   }
   [[nodiscard]] Block& block_at(int column, int row) {
     return const_cast<Block&>(std::as_const(*this).block_at(column, row));
   }
-  /// That of an empty cell beside the window.
   [[nodiscard]] Block const& empty_block() const { return block_at(window_.end_column, window_.first_row); }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
   [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
-  /// How far the blocks of two rows are apart. Between walls all cells have their neighbours this far and one block
-  /// away, in a periodic box those that are not at an edge.
+  /// Returns the number of blocks from a cell to the cell above it. Neighbours are this far and one block away, except
+  /// across periodic edges.
   [[nodiscard]] std::ptrdiff_t blocks_in_row() const { return static_cast<std::ptrdiff_t>(stride_); }
-  /// The column and the row on either side, for block_at(): those of an empty cell beyond a wall, and beyond 0 or the
-  /// last one where the window goes on there.
+  /// Return the next column or row for block_at(): that of an empty cell beyond a wall, and an index beyond the box if
+  /// the window continues there across a periodic edge.
   [[nodiscard]] int column_left_of(int column) const { return column == 0 ? left_of_first_ : column - 1; }
   [[nodiscard]] int column_right_of(int column) const {
     return column + 1 == layout_.columns() ? right_of_last_ : column + 1;
@@ -268,26 +263,27 @@ class PackedGrid {
   [[nodiscard]] int row_above(int row) const { return row + 1 == layout_.rows() ? above_last_ : row + 1; }
 
   [[nodiscard]] double locals_per_length() const { return locals_per_length_; }
-  /// The width and the height of a cell, the longer one being 1.
+  /// Return the width and the height of a cell in units of its longer side.
   [[nodiscard]] float local_width() const { return local_width_; }
   [[nodiscard]] float local_height() const { return local_height_; }
 
-  /// A point less than a few cells away as seen from a cell.
+  /// Returns the position of a point relative to a cell less than a few cells away.
   [[nodiscard]] LocalPoint local(Vector p, int column, int row) const {
     return {static_cast<float>(p.x * layout_.columns_per_length() - column) * local_width_,
             static_cast<float>(p.y * layout_.rows_per_length() - row) * local_height_};
   }
 
-  /// The squared local distance that no pair nearer than √squared_cutoff exceeds, whatever has rounded, for cells up to
-  /// `cells` apart.
+  /// Returns an upper bound, despite rounding, on the squared local distance of pairs nearer than √squared_cutoff in
+  /// cells up to `cells` apart.
   [[nodiscard]] float local_limit(double squared_cutoff, int cells = 1) const {
-    // Local coordinates are wrong by some 1e-7 of the cells they span: (a + b)² ≤ 1.001 a² + 1001 b².
+    // Local coordinates have errors of about 1e-7 of the distance in cells: (a + b)² ≤ 1.001 a² + 1001 b².
     double const error = 1e-6 * (cells + 1.0);
     double const limit = 1.001 * squared_cutoff * locals_per_length_ * locals_per_length_ + 1001.0 * error * error;
     return static_cast<float>(std::min(farthest_limit, limit));
   }
 
-  /// True in the lanes of the slots that may be within the limit of a point seen from the block's cell.
+  /// Returns true in the lanes of agents whose squared distance from `p` is at most `limit`; `p` is relative to the
+  /// cell of the block.
   static Int4 is_near(Block const& block, LocalPoint p, float limit) {
     Float4 const dx = load(block.x) - p.x;
     Float4 const dy = load(block.y) - p.y;
@@ -295,15 +291,15 @@ class PackedGrid {
   }
 
  private:
-  /// Far from everything, and its square still finite.
+  /// A coordinate far from every agent whose square is still finite.
   static constexpr float nowhere = 1e18F;
-  /// Above every distance between two cells and below that to nowhere, whatever the cutoff.
+  /// A bound above every squared distance between two cells and below the squared distance to `nowhere`.
   static constexpr double farthest_limit = 1e30;
-  /// Points farther than this outside their cell, which only points outside walls are, are kept at this distance:
-  /// nobody comes to seem farther away by that.
+  /// A point farther than this outside its cell, which must be outside walls, is stored at this distance: that makes no
+  /// other agent seem farther from it.
   static constexpr float farthest_outside = 2.0F;
 
-  /// Keeps its room when it is copied, since blocks must not move while agents do.
+  /// An array of blocks whose copies keep the capacity: threads that move agents must not make the array reallocate.
   class Blocks : public LargeArray<Block> {
    public:
     Blocks() = default;
@@ -319,7 +315,7 @@ class PackedGrid {
     ~Blocks() = default;
   };
 
-  /// A lock of which every copy of the grid has its own.
+  /// A spin lock; every copy of the grid has a lock of its own.
   class Lock {
    public:
     Lock() = default;
@@ -335,7 +331,7 @@ class PackedGrid {
     std::atomic_flag flag_;
   };
 
-  /// Where in a window an index lies that counts along the whole box; its end for one that does not.
+  /// Returns the index in a window of a column or row of the box; end − first for one outside the window.
   static int stored(int index, int first, int end, int all) {
     int k = index - first;
     if (k < 0) {
@@ -345,7 +341,7 @@ class PackedGrid {
     }
     return std::min(k, end - first);
   }
-  /// The first block of a cell of the box, or of an empty one for a cell outside the window.
+  /// Returns the index of the first block of a cell; that of an empty block for a cell outside the window.
   [[nodiscard]] std::size_t index_of(int column, int row) const {
     int const c = stored(column, window_.first_column, window_.end_column, layout_.columns());
     int const r = stored(row, window_.first_row, window_.end_row, layout_.rows());
@@ -366,7 +362,7 @@ class PackedGrid {
     }
   }
 
-  /// The coordinate of an agent inside its cell, see farthest_outside.
+  /// Returns a coordinate in a cell limited to farthest_outside beyond the cell.
   static float place(float p) {
     p = p < -farthest_outside ? -farthest_outside : p;
     return p > 1.0F + farthest_outside ? 1.0F + farthest_outside : p;
@@ -380,9 +376,9 @@ class PackedGrid {
   }
 
   void grow(std::size_t agents);
-  /// That many blocks are enough for so many agents, whatever the cells they are in.
+  /// Returns a number of blocks that is enough for any positions of the agents.
   [[nodiscard]] std::size_t max_blocks_for(std::size_t agents) const;
-  /// A point, in a periodic box its image inside, and its cell.
+  /// A point (in a periodic box its image inside) with its cell.
   struct CellPoint {
     Vector p;
     int column;
@@ -402,17 +398,17 @@ class PackedGrid {
   CellLayout layout_;
   CellWindow window_;
   std::size_t stride_ = 0;
-  std::ptrdiff_t first_ = 0;         ///< what block_at() would give the first block
-  std::size_t blocks_of_cells_ = 0;  ///< and of the empty ones around them
+  std::ptrdiff_t first_ = 0;         ///< row · stride_ + column of the first block
+  std::size_t blocks_of_cells_ = 0;  ///< one for each cell and each empty cell around them
   int left_of_first_ = 0, right_of_last_ = 0, below_first_ = 0, above_last_ = 0;
   double locals_per_length_ = 1.0;
   float local_width_ = 1.0F;
   float local_height_ = 1.0F;
-  Blocks blocks_;                    ///< of the cells, then the further ones
-  LargeArray<std::uint32_t> place_;  ///< of an agent: block · slots + slot
-  std::uint32_t first_free_ = none;  ///< of a list, by `next`, of further blocks not in use
+  Blocks blocks_;                    ///< first one block for each cell, then further blocks
+  LargeArray<std::uint32_t> place_;  ///< for each agent: block · slots + slot
+  std::uint32_t first_free_ = none;  ///< head of the list of unused further blocks, linked by `next`
   Lock further_blocks_;              ///< guards the growth of blocks_ and the list
-  /// Threads read it while others write it.
+  /// Atomic: threads read it while others write it.
   mutable std::size_t further_blocks_in_use_ = 0;
   std::size_t size_ = 0;
 };
@@ -433,7 +429,8 @@ void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const 
   LocalPoint const here{place(inside.x), place(inside.y)};
   bool const has_all_columns = window_.end_column - window_.first_column >= layout_.columns();
   bool const has_all_rows = window_.end_row - window_.first_row >= layout_.rows();
-  // Every agent of a block is written and only the count depends on who is near, see PairBuffer.
+  // All agents of a block are written, and only the count depends on distances: no branch to mispredict, see
+  // PairBuffer.
   std::array<std::uint32_t, 64> found;
   std::size_t count = 0;
   auto const hand_out = [&] {

@@ -10,7 +10,7 @@
 
 namespace gridlock {
 
-/// Points of a box, point i at (x[i], y[i]).
+/// The points of a box; point i is at (x[i], y[i]).
 struct PointsInBox {
   Box const& box;
   std::span<double const> x;
@@ -23,17 +23,15 @@ struct PointsInBox {
   }
 };
 
-/// Whether all points lie in [0, width) × [0, height).
+/// Returns whether all points lie in [0, width) × [0, height).
 bool are_inside(PointsInBox const& points);
 
 /// Calls visit(i, j, separation) once for every pair of points with |separation| < cutoff, where separation is the
 /// minimum-image vector r_j − r_i, and i > j.
 ///
-/// Every grid finds the same pairs, each in an order of its own. Coordinates may be any finite numbers, also negative:
-/// in a periodic box they stand for the image inside, between walls for themselves.
-/// Contract: the grid holds the points where they are, and in a periodic box cutoff ≤ half the shorter side, or a
-/// second image of a point would be missed.
-/// Cost: O(N · points per 3×3 block).
+/// Every grid finds the same pairs, but in another order. Coordinates may be any finite numbers: a point outside a
+/// periodic box means its image inside. Contract: the grid holds the points at these positions, and in a periodic box
+/// cutoff ≤ half the shorter side, since a second image of a point would be missed. Cost: O(N · points per 3×3 block).
 template <SearchGrid Grid, class Visit>
 void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, Visit visit) {
   double const squared_cutoff = cutoff * cutoff;
@@ -51,7 +49,7 @@ void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, V
     grid.for_each_candidate_pair(cutoff, visit_near, expect);
   };
   Box const& box = points.box;
-  // Asked once instead of for every pair.
+  // are_inside() is tested once here, instead of for every pair.
   if (!box.is_periodic() || are_inside(points)) {
     search([&box](Vector from, Vector to) { return box.displacement_inside(from, to); });
   } else {
@@ -62,9 +60,9 @@ void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, V
 /// Calls visit(j, separation) once for every point with |separation| < cutoff, where separation is the minimum-image
 /// vector from p to the point; also for a point at p itself.
 ///
-/// On one grid the order is that of for_each_in_block(): cell by cell from the lower left of the block, and in a cell
-/// as inserts, moves and erases have left it. Other grids have other orders.
-/// Contract: that of for_each_pair(); p is any finite point, like the coordinates. Cost: O(points per 3×3 block).
+/// The order is that of for_each_in_block(): cell by cell from the lower left of the block, and in a cell by the
+/// history of insert(), move() and erase(). Other grids have other orders.
+/// Contract: that of for_each_pair(); p is any finite point. Cost: O(points per 3×3 block).
 template <SearchGrid Grid, class Visit>
 void for_each_neighbour(PointsInBox const& points, Grid const& grid, double cutoff, Vector p, Visit visit) {
   double const squared_cutoff = cutoff * cutoff;

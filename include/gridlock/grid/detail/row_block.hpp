@@ -10,24 +10,24 @@
 
 namespace gridlock {
 
-/// The rows of a block of cells, where agents lie in memory in the order of their cells.
+/// The rows of agents in a block of cells, for agents sorted by their cells.
 struct RowBlock {
   std::array<RowRange, 6> rows{};
-  std::size_t count = 0;       ///< of ranges of rows
-  std::size_t candidates = 0;  ///< rows in all of them
-  bool is_at_edge = true;      ///< whether images matter
+  std::size_t count = 0;       ///< number of ranges in `rows`
+  std::size_t candidates = 0;  ///< number of rows in all ranges
+  bool is_at_edge = true;      ///< whether distances may cross a periodic edge
 
   [[nodiscard]] std::span<RowRange const> ranges() const { return std::span(rows).first(count); }
 };
 
-/// Collects the blocks around the cells of a layout; `first_of(column, row)` is the first row of a cell, and
+/// Makes the blocks around the cells of a layout; first_of(column, row) returns the first row of a cell, and
 /// first_of(column + 1, row) the end of its rows.
 template <class FirstOf>
 class RowBlocks {
  public:
   RowBlocks(CellLayout const& layout, FirstOf first_of) : layout_(layout), first_of_(first_of) {}
 
-  /// The 3×3 block around a cell, no cell twice.
+  /// Returns the 3×3 block around a cell, with no cell twice.
   [[nodiscard]] RowBlock around(int column, int row) const {
     int const rows = layout_.rows();
     RowBlock block{.is_at_edge = is_at_edge(column, row)};
@@ -41,8 +41,8 @@ class RowBlocks {
     return block;
   }
 
-  /// Half of the block: what comes after the cell to the right and in the next row, so that every pair of cells is seen
-  /// from one of the two. The first range begins with the cell itself. Contract: has_halves().
+  /// Returns half of the block: the cell itself first, the cell to the right and those in the next row. Every pair of
+  /// cells is in the half block of exactly one of the two cells. Contract: has_halves().
   [[nodiscard]] RowBlock after(int column, int row) const {
     int const columns = layout_.columns();
     int const rows = layout_.rows();
@@ -58,7 +58,7 @@ class RowBlocks {
     return block;
   }
 
-  /// Whether no two cells are neighbours on both sides of a periodic box.
+  /// Returns whether no two cells are neighbours on two sides of a periodic box.
   [[nodiscard]] bool has_halves() const {
     return !layout_.is_periodic() || (layout_.columns() > 3 && layout_.rows() > 3);
   }
@@ -70,14 +70,14 @@ class RowBlocks {
     return column == 0 || column + 1 == columns || row == 0 || row + 1 == rows || columns < 4 || rows < 4;
   }
 
-  /// Columns first … end − 1 of a row of cells.
+  /// Adds columns first … end − 1 of a row of cells.
   void add(RowBlock& block, int row, int first, int end) const {
     RowRange const range{first_of_(first, row), first_of_(end, row)};
     block.rows[block.count++] = range;
     block.candidates += range.end - range.first;
   }
 
-  /// The cells of a row next to a column, and that of the column.
+  /// Adds the cells of a row in a column and the two next to it.
   void add_row(RowBlock& block, int column, int row) const {
     int const columns = layout_.columns();
     if (!layout_.is_periodic() || (column > 0 && column + 1 < columns)) {

@@ -14,16 +14,17 @@ namespace gridlock {
 
 class SortedPoints;
 
-/// Copies of the points in the order of their cells, for points that crowd: cells as fine as the cutoff, of which only
-/// the occupied ones are stored. Points that come to other cells are put there, and all are sorted anew where many do.
+/// Copies of points sorted by their cells, for points that crowd: cells are as small as the cutoff, and only occupied
+/// cells are stored. move_all() puts single points into their new cells, or sorts all points if many have changed
+/// cells.
 ///
-/// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells
-/// are occupied.
+/// Memory: 20 bytes a point, 4 more if points have moved, 4 bytes an occupied cell, and up to 16 bytes a point to list
+/// which cells are occupied.
 class SortedGrid {
  public:
   using OnAgents = std::function<void(std::span<std::uint32_t const>)>;
 
-  /// Point i is at (x[i], y[i]). Contract: the points are finite.
+  /// Makes a grid with point i at (x[i], y[i]). Contract: the points are finite.
   SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
   SortedGrid(SortedGrid const& other);
@@ -31,13 +32,13 @@ class SortedGrid {
   SortedGrid& operator=(SortedGrid other) noexcept;
   ~SortedGrid();
 
-  /// Point i of as many is at (x[i], y[i]). Returns how many have come to other cells, or the number of all where these
-  /// are many.
-  /// Contract: the points are finite. Cost: about that of a counting sort where many come to other cells, half as much
-  /// where few do.
+  /// Moves point i to (x[i], y[i]). Returns the number of points that have changed cells, or of all points if these are
+  /// many.
+  /// Contract: the points are finite, and as many as before. Cost: about that of a counting sort if many points change
+  /// cells, half as much if few do.
   std::size_t move_all(std::span<double const> x, std::span<double const> y);
 
-  /// As those of PackedGrid. Contract: the cutoff is at most the shorter side of a cell.
+  /// The functions below do the same as in PackedGrid. Contract: the cutoff is at most the shorter side of a cell.
 
   template <class Visit>
   void for_each_candidate(Vector p, double cutoff, Visit visit) const {
@@ -53,7 +54,7 @@ class SortedGrid {
  private:
   void find_candidates(Vector p, double cutoff, OnAgents const& on_agents) const;
   void find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const;
-  /// The squared distance of the copies that no pair nearer than `cutoff` exceeds, whatever has rounded.
+  /// Returns an upper bound, despite rounding, on the squared distance of the copies of pairs nearer than `cutoff`.
   [[nodiscard]] double squared_limit(double cutoff) const;
 
   Box box_;

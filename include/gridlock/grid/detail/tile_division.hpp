@@ -12,23 +12,23 @@
 
 namespace gridlock {
 
-/// The tiles of each part, with about as many agents in each; `agents` has a number for each tile.
+/// Divides the tiles into rectangles, one for each part, with about equal numbers of agents; `agents` has the number
+/// for each tile.
 std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std::uint64_t const> agents,
                                             std::size_t parts);
 
-/// The cells of a rectangle of tiles and `margin` more to each side, as far as the box has them.
+/// Returns the cells of a rectangle of tiles and `margin` more to each side, without those beyond walls.
 CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,
                          int margin);
-/// The same for one tile.
+/// Returns the cells of one tile and `margin` more to each side, without those beyond walls.
 CellWindow window_around(CellLayout const& layout, Tiling::Tile const& tile, int margin);
 
-/// Whether the windows have a cell in common.
+/// Returns whether two windows have a cell in common.
 bool overlap(CellLayout const& layout, CellWindow const& one, CellWindow const& other);
 
-/// The cells that two windows have in common.
 std::vector<int> common_cells(CellLayout const& layout, CellWindow const& one, CellWindow const& other);
 
-/// The tile of a point. Contract: it does not outlive the cells and tiles that it is made of.
+/// Finds the tile of a point. Contract: `layout` and `tiling` outlive it.
 class TileFinder {
  public:
   TileFinder(CellLayout const& layout, Tiling const& tiling);

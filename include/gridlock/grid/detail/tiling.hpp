@@ -13,12 +13,12 @@ namespace gridlock {
 /// The cells of a grid in tiles, coloured so that tiles of one colour can take their turns at the same time.
 ///
 ///     colours      ┌────┬────┬────┬────┐    Between two tiles of colour 0 lies a whole tile, at least two cells wide.
-///     of tiles:    │ 2  │ 3  │ 2  │ 3  │    The disks of a tile look at, hit and move to its own cells and the ring
+///     of tiles:    │ 2  │ 3  │ 2  │ 3  │    The disks of a tile read, hit and move to its own cells and the ring
 ///                  ├────┼────┼────┼────┤    of cells around it, so no disk is touched from two of them.
 ///                  │ 0  │ 1  │ 0  │ 1  │    Around a periodic box the number of tiles is even, or there is only one.
 ///                  └────┴────┴────┴────┘
 ///
-/// A function of the cells alone, so that the order of the turns is one of the state alone.
+/// The tiles depend on the cells alone, so that the order of turns depends on the state alone.
 class Tiling {
  public:
   struct Tile {
@@ -28,18 +28,18 @@ class Tiling {
   static constexpr std::size_t colours = 4;
 
   Tiling() = default;
-  /// Tiles of about `cells_of_tile` cells a side, at least two; cuts are the same for the same cells.
+  /// Makes tiles of about `cells_of_tile` cells a side, at least two.
   explicit Tiling(CellLayout const& layout, int cells_of_tile = 12);
 
-  /// All tiles, colour by colour.
+  /// Returns all tiles, colour by colour.
   [[nodiscard]] std::vector<Tile> const& tiles() const { return tiles_; }
-  /// The tiles of a colour are first_of(colour) … first_of(colour + 1) − 1.
+  /// Returns the number of the first tile of a colour; the last is first_of(colour + 1) − 1.
   [[nodiscard]] std::size_t first_of(std::size_t colour) const { return first_of_[colour]; }
-  /// Tiles side by side, and one above the other.
+  /// Return the number of columns and of rows of tiles.
   [[nodiscard]] std::size_t columns() const { return columns_; }
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::uint32_t number_of(std::size_t column, std::size_t row) const;
-  /// Calls visit(number) for the tiles around one and for itself; around a small periodic box for some more than once.
+  /// Calls visit(number) for a tile and the tiles around it; in a small periodic box for some tiles more than once.
   template <class Visit>
   void for_each_around(std::uint32_t tile, Visit visit) const {
     Place const place = place_of(tile);
@@ -53,25 +53,25 @@ class Tiling {
     });
   }
 
-  /// Numbers of tiles, to be visited one after the other.
+  /// Numbers of tiles, which one thread takes one after the other.
   using Part = std::vector<std::uint32_t>;
-  /// A part has up to so many tiles of one colour one behind another: they may have their turns at once.
+  /// The most tiles of one colour, one behind another in a part, whose turns are computed together.
   static constexpr std::size_t tiles_of_team = 3;
-  /// The first of these tiles, up to `most` of one colour.
+  /// Returns the first of `tiles` that have the same colour, at most `most`.
   [[nodiscard]] std::span<std::uint32_t const> first_team(std::span<std::uint32_t const> tiles,
                                                           std::size_t most = tiles_of_team) const;
-  /// Parts that may be carried out at once: no cell is touched from two of them.
+  /// Parts that threads may take at the same time: no cell is touched by two of them.
   using Round = std::vector<Part>;
-  /// All tiles, round after round, for a number of threads. Whatever that number, of two tiles that touch the same cell
-  /// the one of the lower colour comes first, so that the result is the same as going colour by colour.
+  /// Returns all tiles, round after round, for a number of threads. Of two tiles that touch the same cell the one of
+  /// the lower colour always comes first, so that results do not depend on the number of threads.
   ///
-  /// The first round has a piece of the system for each part, several rows of tiles long, in which colours 2 and 3 of a
-  /// row follow as soon as the rows of colours 0 and 1 on both sides are done: going colour by colour would bring all
-  /// of a large system from memory four times. The tiles that must come after one of another piece are left to later
-  /// rounds, colour by colour. In a small system, or for many threads, those are nearly all of colours 1 to 3.
+  /// In the first round each part is a piece of several rows of tiles. Colours 2 and 3 of a row follow as soon as the
+  /// rows of colours 0 and 1 on both sides are done, since going colour by colour would read a large system from memory
+  /// four times. Tiles that must come after a tile of another piece are left to later rounds, one for each colour. In a
+  /// small system, or for many threads, these are nearly all tiles of colours 1 to 3.
   [[nodiscard]] std::vector<Round> rounds(std::size_t threads) const;
 
-  /// A rectangle of tiles, which one of several processes takes care of.
+  /// A rectangle of tiles, which one of several processes owns.
   struct Rectangle {
     std::size_t first_column = 0, end_column = 0;
     std::size_t first_row = 0, end_row = 0;
@@ -85,31 +85,31 @@ class Tiling {
       }
     }
   };
-  /// The rounds of the tiles of a rectangle, always as many as there are colours and some of them empty: after each of
-  /// them the processes tell each other what they have changed. Tiles that must come after one of another process are
-  /// left to later rounds.
+  /// Returns the rounds of the tiles of a rectangle, one for each colour; some may be empty. After each round processes
+  /// exchange the cells that they have changed. Tiles that must come after a tile of another process are left to later
+  /// rounds.
   [[nodiscard]] std::vector<Round> rounds(Rectangle const& own, std::size_t threads) const;
 
  private:
-  /// The piece of a tile that another process takes care of.
+  /// The piece number of a tile that another process owns.
   static constexpr std::uint32_t elsewhere = 0xffff'ffff;
 
-  /// Where a tile is among the tiles.
   struct Place {
     std::size_t column, row;
   };
   [[nodiscard]] Place place_of(std::uint32_t tile) const;
   [[nodiscard]] std::size_t colour_of(std::uint32_t tile) const;
-  /// Whether is(other) for one of a lower colour among the eight around a tile.
+  /// Returns whether is(other) holds for a tile of a lower colour among the eight tiles around a tile.
   template <class Is>
   [[nodiscard]] bool any_before(std::uint32_t tile, Is is) const;
-  /// The piece each tile is in: as many of those that are not elsewhere in each, row after row.
+  /// Returns the piece of each tile: pieces have equal numbers of own tiles, row after row.
   [[nodiscard]] std::vector<std::uint32_t> pieces(Rectangle const& own, std::size_t threads) const;
-  /// The first round, and for each colour what is left of it, in parts.
+  /// Returns the first round, and then for each colour a round of its remaining tiles.
   [[nodiscard]] std::array<Round, colours + 1> rounds_of_colours(Rectangle const& own, std::size_t threads) const;
-  /// Which tiles must come after a tile of another piece, or after one of these.
+  /// Returns for each tile whether it must come after a tile of another piece, or after a tile that must.
   [[nodiscard]] std::vector<bool> left_to_later_rounds(std::vector<std::uint32_t> const& piece) const;
-  /// All tiles such that the order of colours is kept and a row is visited again soon.
+  /// Returns all tiles in an order that keeps the order of colours and visits a row again soon, while it is in the
+  /// cache.
   [[nodiscard]] Part in_order_of_memory() const;
 
   bool is_periodic_ = false;

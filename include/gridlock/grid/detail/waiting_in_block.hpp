@@ -9,16 +9,16 @@
 
 namespace gridlock {
 
-/// The marks of a block as ClassOrder reads them, and what is looked up with them: a compiler would make branches
-/// of the questions, and the answers are as good as random.
+/// The marks of a block as ClassOrder uses them, and tables indexed by them. Tables replace branches on which agents
+/// wait and on the order of Ids, since the processor could not predict them.
 ///
 ///     bits of marks    0 … 3                      4 … 10                       15
-///                      whose turn it is, by the   how many agents there are,   `changed`: the code is to be
-///                      mark of the step           and the order of their Ids   found anew
+///                      set if the agent waits,    code of the number of        `changed`: the code must be
+///                      by the mark of the step    agents and order of Ids      found anew
 struct WaitingInBlock {
   static constexpr unsigned slots = PackedGrid::slots;
   static constexpr unsigned all_slots = (1U << slots) - 1U;
-  static constexpr unsigned orders = 24;  ///< of four slots
+  static constexpr unsigned orders = 24;  ///< number of orders of four slots
   static constexpr unsigned bits_of_slot = 2;
   static constexpr unsigned mask_of_slot = (1U << bits_of_slot) - 1U;
   static constexpr unsigned first_bit_of_count = slots * bits_of_slot;
@@ -26,10 +26,10 @@ struct WaitingInBlock {
   static constexpr unsigned any = 1U << 14;
   static constexpr unsigned several = 1U << 15;
 
-  /// The code in the marks, of a number of agents and of the slots in the order of Ids, two bits each.
+  /// The code in the marks, by the number of agents and the slots in the order of Ids (two bits each).
   std::array<std::array<std::uint16_t, 1U << first_bit_of_count>, slots + 1> code{};
-  /// Of marks in which bit s says that the agent in slot s waits: the slots of those who wait in the order of Ids, two
-  /// bits each, their number, and whether it is above 0, 1 and 2.
+  /// By marks in which bit s is set if the agent in slot s waits: the slots of the waiting agents in the order of Ids
+  /// (two bits each), their number, and bits for a number above 0, 1 and 2.
   std::array<std::uint16_t, ((slots + 1) * orders) << slots> waiting{};
 
   constexpr WaitingInBlock() {
@@ -61,15 +61,15 @@ struct WaitingInBlock {
 };
 inline constexpr WaitingInBlock waiting_in_block;
 
-/// Notes in the marks of a block, the only one of its cell, the order of the Ids of its agents, or of numbers in the
-/// same order. They are as good as random: no branch depends on them.
+/// Writes the code of the order of Ids (or of numbers in the same order) to the marks of a block, the only one of its
+/// cell. No branch depends on the Ids, since the processor could not predict it.
 template <class IdOf>
 [[gnu::noinline]] void note_order_of_ids(PackedGrid::Block& block, IdOf id_of) {
   // Empty slots come last.
   std::array<std::uint64_t, PackedGrid::slots> id;
   for (unsigned s = 0; s < PackedGrid::slots; ++s) {
     bool const is_taken = s < block.count;
-    // The agents that empty slots name may be far away in memory.
+    // The row in an empty slot is not read, since it may be far away in memory.
     std::uint64_t const id_taken = id_of(block.agent[is_taken ? s : 0]);
     id[s] = is_taken ? id_taken : std::numeric_limits<std::uint64_t>::max() - PackedGrid::slots + s;
   }
@@ -80,7 +80,7 @@ template <class IdOf>
   unsigned const less_12 = is_less(1, 2);
   unsigned const less_13 = is_less(1, 3);
   unsigned const less_23 = is_less(2, 3);
-  // Slot 0 takes the place that is left.
+  // Slot 0 needs no term: its two bits are 0 at the remaining place.
   auto const at = [](unsigned slot, unsigned place) { return slot << (WaitingInBlock::bits_of_slot * place); };
   unsigned const order = at(1, 2 + less_01 - less_12 - less_13) | at(2, 1 + less_02 + less_12 - less_23) |
                          at(3, less_03 + less_13 + less_23);
