@@ -27,7 +27,7 @@ constexpr char const* previous_name = "checkpoint.previous.gridlock";
 constexpr std::string_view part_prefix = "checkpoint.part.";
 constexpr std::string_view part_suffix = ".gridlock";
 
-/// The member that lists the parts of a checkpoint: the checksum of each.
+/// The member with the list of parts: the checksum of each part, as numbers of 64 bits.
 constexpr char const* parts_member = "parts";
 constexpr std::size_t numbers_per_part = 2;
 
@@ -37,8 +37,8 @@ std::string name_of_part(std::size_t number, CheckpointPart const& part) {
   return fmt::format("{}{}.{:016x}{:016x}{}", part_prefix, number, part.checksum[1], part.checksum[0], part_suffix);
 }
 
-/// checkpoint.part.NUMBER.CHECKSUM.gridlock with a number and 32 hexadecimal digits, and no other name: files of users
-/// stay.
+/// Returns whether a file is a part: checkpoint.part.NUMBER.CHECKSUM.gridlock with 32 hexadecimal digits. Files of
+/// users with other names must not be removed.
 bool is_name_of_part(std::string_view name) {
   if (!name.starts_with(part_prefix) || !name.ends_with(part_suffix)) return false;
   name = name.substr(part_prefix.size(), name.size() - part_prefix.size() - part_suffix.size());
@@ -51,7 +51,7 @@ bool is_name_of_part(std::string_view name) {
          checksum.find_first_not_of(hexadecimal) == std::string_view::npos;
 }
 
-/// Names members by the path to them, so that the file is a map without maps in it.
+/// Gives each member the path to it as its name ("disks.x"), so that the file is one flat map.
 class NamedArchive : public Archive {
  public:
   void enter(std::string_view name) override { path_.push_back(full(name)); }
@@ -66,12 +66,12 @@ class NamedArchive : public Archive {
   std::vector<std::string> path_;
 };
 
-/// The members that go into a file.
+/// Selects the members of an object that go into a file.
 enum class Saved { everything, rows, all_but_rows };
 
 class SavingArchive final : public NamedArchive {
  public:
-  /// `parts` have the rows that are not saved.
+  /// `parts` are the files with the rows, where the archive itself saves none.
   explicit SavingArchive(Saved saved, std::span<CheckpointPart const> parts = {}) : saved_(saved), parts_(parts) {}
 
   [[nodiscard]] checkpoint::Members& members() { return members_; }
@@ -79,7 +79,7 @@ class SavingArchive final : public NamedArchive {
   [[nodiscard]] std::vector<std::uint64_t> const& lengths() const { return lengths_; }
   [[nodiscard]] bool is_restoring() const override { return false; }
   void visit(std::string_view name, bool& value) override { save(name, value); }
-  /// As the bits it has, since CBOR keeps one kind of NaN only.
+  /// Saves the 64 bits of a number, since CBOR keeps only one kind of NaN.
   void visit(std::string_view name, double& value) override { save(name, std::bit_cast<std::uint64_t>(value)); }
   void visit(std::string_view name, std::uint64_t& value) override { save(name, value); }
   void visit(std::string_view name, std::string& value) override { save(name, value); }
@@ -121,7 +121,7 @@ class SavingArchive final : public NamedArchive {
   checkpoint::Members members_;
 };
 
-/// The parts that a checkpoint names, in their order; none where it has its rows itself.
+/// Returns the parts that a checkpoint lists, in their order; none if the checkpoint file contains the rows.
 std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
   if (file.version() == checkpoint::whole_version) return {};
   std::vector<CheckpointPart> parts;
@@ -138,7 +138,7 @@ std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
   return parts;
 }
 
-/// The rows of a list of so many that a process has.
+/// Returns the range of rows, first and end, that belongs to one process, of a list with `rows` rows.
 std::pair<std::uint64_t, std::uint64_t> rows_of(CheckpointShare const& share, std::uint64_t rows) {
   RowDivision const even = RowDivision::even(rows, share.count);
   return {even.first(share.part), even.end(share.part)};
@@ -154,7 +154,7 @@ checkpoint::File opened_part(fs::path const& path, CheckpointPart const& part) {
   return file;
 }
 
-/// The parts that a checkpoint names, each read where it is asked for.
+/// The parts that a checkpoint lists; a part is opened at its first use.
 class Parts {
  public:
   Parts() = default;
@@ -175,14 +175,14 @@ class Parts {
   mutable std::vector<std::optional<checkpoint::File>> files_;
 };
 
-/// The rows of a part that one process has.
+/// A range of rows within one part; `first` counts from the beginning of the part.
 struct Piece {
   std::size_t part;
   std::uint64_t first;
   std::uint64_t count;
 };
 
-/// The pieces that make up rows first … end − 1 of parts with so many rows.
+/// Returns the ranges within parts that together are rows first … end − 1; part k has rows_of_part(k) rows.
 template <class RowsOf>
 std::vector<Piece> pieces_between(std::uint64_t first, std::uint64_t end, std::size_t parts, RowsOf rows_of_part) {
   std::vector<Piece> pieces;
@@ -242,7 +242,7 @@ class RestoringArchive final : public NamedArchive {
     file_.read(list, first, std::span(values));
   }
 
-  /// A list of which each part has some rows, each another number.
+  /// A list of which each part contains some rows; `lengths` are the rows of each part.
   template <class Number>
   void restore_from_lists(std::string_view name, std::vector<std::uint64_t> const& lengths,
                           std::vector<Number>& values) const {
@@ -289,20 +289,20 @@ void restore_from(checkpoint::File const& file, Parts const& parts, CheckpointSh
     serialize(archive);
   } catch (Error const& error) {
     Problem const& problem = error.problems().front();
-    // A damaged part says so itself.
+    // The error of a damaged part already names its file.
     if (!problem.file.empty()) throw;
     checkpoint::refuse(file.name(), problem.what, problem.hint);
   }
 }
 
-/// Whether anything has the name, be it a link to nothing or what cannot be looked at.
+/// Returns whether a path exists, also as a link to nothing or as an entry that cannot be examined.
 bool is_name_taken(fs::path const& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
 }
 
-/// Refuses what is no file in all processes where one finds it so. It is not among what a damaged checkpoint may be
-/// replaced for: the next checkpoint could not take its place.
+/// Throws in all processes if a path is not a regular file in one of them. No older checkpoint is restored instead,
+/// since the next checkpoint could not be written over such a path.
 void require_file(fs::path const& path, bool is_newest, AgreeOnRefusal const& of_all) {
   Problem problem;
   try {

@@ -25,13 +25,13 @@ constexpr std::size_t version_offset = 8;
 constexpr std::size_t checksum_offset = 16;
 constexpr std::size_t header_size = 32;
 constexpr std::size_t piece_size = std::size_t{1} << 20;
-/// A million disks need about 80 MB.
+/// Largest checkpoint, in bytes; a million disks need about 80 MB.
 constexpr std::uint64_t largest_checkpoint = std::uint64_t{1} << 36;
 
 static_assert(std::endian::native == std::endian::little,
               "the lists of a checkpoint are written as they lie in memory");
 
-/// The kinds of what CBOR holds (RFC 8949).
+/// The major types of CBOR that a checkpoint contains (RFC 8949).
 enum CborKind : unsigned { whole_number = 0, byte_string = 2, text_string = 3, map = 5, simple = 7 };
 constexpr std::uint64_t simple_false = 20;
 constexpr std::uint64_t simple_true = 21;
@@ -42,15 +42,15 @@ std::string in_cbor(Json const& value) {
   return bytes;
 }
 
-/// The head that CBOR puts before so many bytes, or pairs of a name and a value: the length in as few bytes as hold it.
+/// Returns the bytes that CBOR puts before `length` bytes or members: type and length, in as few bytes as possible.
 std::string head_of(CborKind kind, std::uint64_t length) {
-  // A whole number differs only in the three bits that tell the kinds.
+  // Json writes a whole number; only the three bits of the type differ from that.
   std::string head = in_cbor(Json(length));
   head[0] = static_cast<char>(static_cast<unsigned char>(head[0]) | (kind << 5));
   return head;
 }
 
-/// XXH3 of 128 bits over text that comes in pieces.
+/// Computes XXH3 of 128 bits over text that arrives in pieces.
 class Sum {
  public:
   Sum() : state_(XXH3_createState(), &XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
@@ -70,7 +70,7 @@ std::string canonical(Checksum const& checksum) {
   return {reinterpret_cast<char const*>(bytes.digest), sizeof bytes.digest};
 }
 
-/// Looks into bytes one after the other, without a call of the system for each.
+/// Reads bytes one after the other through a buffer, so that most bytes need no system call.
 class Cursor {
  public:
   Cursor(Bytes const& bytes, std::uint64_t at) : bytes_(bytes), at_(at) {}
@@ -79,7 +79,7 @@ class Cursor {
   [[nodiscard]] std::uint64_t left() const { return bytes_.size - at_; }
   void skip(std::uint64_t count) { at_ += count; }
 
-  /// Requires that there is one left.
+  /// Returns the next byte. Requires left() > 0.
   unsigned char next() {
     if (at_ < first_ || at_ >= first_ + window_.size()) {
       window_.resize(std::min<std::uint64_t>(left(), 4096));
@@ -93,7 +93,7 @@ class Cursor {
     unsigned kind;
     std::uint64_t argument;
   };
-  /// The byte that begins a number or says how much of a text follows; nothing where there is no such thing.
+  /// Returns the type and the number or length at the start of a CBOR item; nothing if the bytes are not valid.
   std::optional<Head> head() {
     if (left() == 0) return std::nullopt;
     unsigned const first = next();
@@ -123,7 +123,7 @@ class Cursor {
   std::vector<char> window_;
 };
 
-/// The member that begins here; nothing where it is none that is written here.
+/// Returns the type and position of the value that begins here; nothing if checkpoints have no such value.
 std::optional<File::Place> place_at(Cursor& cursor) {
   using enum File::Kind;
   auto const head = cursor.head();
@@ -232,7 +232,7 @@ void File::require_checksum() const {
   if (sum.digest() != checksum_) refuse(name(), "it is damaged: its checksum is wrong", again_hint);
 }
 
-/// Whether all of it is one flat map as it is written here: names, numbers, truths, strings and bytes of known lengths.
+/// Finds all members. Returns whether the file is one flat map to numbers, truths, strings and bytes of known length.
 bool File::find_members() {
   Cursor cursor(bytes_, header_size);
   auto const outer = cursor.head();

@@ -11,18 +11,18 @@
 #include <string_view>
 #include <vector>
 
-/// The bytes of a checkpoint file; what they mean is checkpoint.cpp's.
+/// Reads and writes the bytes of checkpoint files; checkpoint.cpp gives the members their meaning.
 namespace gridlock::checkpoint {
 
 /// XXH3 of 128 bits, the low word first.
 using Checksum = std::array<std::uint64_t, 2>;
 
-/// Version of a file that has all that it names.
+/// Format version of a checkpoint in a single file.
 constexpr std::uint32_t whole_version = 4;
-/// Version of a file whose rows are in other files.
+/// Format version of a checkpoint or part whose rows are in several files.
 constexpr std::uint32_t version_of_parts = 6;
 
-/// The kind of numbers in a list: the first byte of its value.
+/// Returns the letter of a type of numbers, the first byte of a list.
 template <class Number>
 constexpr char letter_of();
 template <>
@@ -46,7 +46,7 @@ constexpr char letter_of<std::uint64_t>() {
 inline constexpr char const* again_hint =
     "put back a copy of the file, or start the run again: --overwrite, in Python overwrite=True";
 
-/// Members by name, to be written in the order of their names.
+/// Collects members by name and writes them in alphabetical order.
 class Members {
  public:
   void add(std::string const& name, bool value);
@@ -59,56 +59,56 @@ class Members {
   void add_bytes(std::string const& name, char letter, std::span<std::byte const> bytes);
 
   [[nodiscard]] Checksum checksum() const;
-  /// Calls take(text) for the pieces of the file, one after the other.
+  /// Calls take(text) for each piece of the file, in order.
   void write(std::uint32_t version, std::function<void(std::string_view)> const& take) const;
 
  private:
   void for_each_piece(std::function<void(std::string_view)> const& take) const;
 
-  std::map<std::string, std::string> values_;  ///< in CBOR
+  std::map<std::string, std::string> values_;  ///< name and value, the value in CBOR
 };
 
-/// Bytes that are read piece by piece.
+/// A source of bytes that is read piece by piece.
 struct Bytes {
-  std::string name;  ///< in errors
+  std::string name;  ///< name of the file, for error messages
   std::uint64_t size = 0;
-  std::function<void(std::uint64_t offset, std::span<char> into)> read;  ///< requires that there are so many
+  std::function<void(std::uint64_t offset, std::span<char> into)> read;  ///< fills `into`; requires enough bytes
 };
-/// Errors: Error for what is no regular file, or cannot be read.
+/// Opens a file as a source of bytes. Errors: Error if it is not a regular file, or unreadable.
 Bytes bytes_of_file(std::filesystem::path const& path);
-/// The text must outlive them.
+/// Uses a text as a source of bytes. The text must outlive the result.
 Bytes bytes_of_text(std::string_view text, std::string name);
 
-/// A file of members, of which nothing but their names and places is in memory.
+/// A checkpoint file of which only the names and positions of members are in memory.
 class File {
  public:
   enum class Kind { truth, number, text, list };
   struct Place {
     Kind kind = Kind::number;
-    std::uint64_t number = 0;  ///< or truth
-    std::uint64_t offset = 0;  ///< of the first byte of a text or list
-    std::uint64_t length = 0;  ///< in bytes
+    std::uint64_t number = 0;  ///< value of a number or truth
+    std::uint64_t offset = 0;  ///< position of the first byte of a text or list
+    std::uint64_t length = 0;  ///< bytes of a text or list
   };
 
-  /// Errors: Error naming the file where it is no checkpoint, has another version, or is damaged anywhere.
+  /// Errors: Error naming the file if it is not a checkpoint, has another version, or is damaged anywhere.
   explicit File(Bytes bytes);
 
   [[nodiscard]] std::string const& name() const { return bytes_.name; }
   [[nodiscard]] std::uint32_t version() const { return version_; }
   [[nodiscard]] Checksum const& checksum() const { return checksum_; }
 
-  /// The member of that name and kind. Errors: Error where there is none.
+  /// Returns the member with this name and kind. Errors: Error if there is none.
   [[nodiscard]] Place const& at(std::string const& member, Kind kind) const;
   [[nodiscard]] std::string text(Place const& place) const;
-  /// The first byte of a list, 0 where it has none.
+  /// Returns the first byte of a list, its type; 0 if the list is empty.
   [[nodiscard]] char letter(Place const& list) const;
-  /// The numbers of a list. Errors: Error where they are of another kind.
+  /// Returns how many numbers a list has. Errors: Error if they are of another type.
   template <class Number>
   [[nodiscard]] std::uint64_t count(Place const& list) const {
     require_kind(list, letter_of<Number>(), sizeof(Number));
     return (list.length - 1) / sizeof(Number);
   }
-  /// The numbers after the first byte of a list, whatever that says. Errors: Error where they are of another width.
+  /// Returns the numbers after the first byte of a list, for any first byte. Errors: Error if the length does not fit.
   template <class Number>
   [[nodiscard]] std::vector<Number> rest_of(Place const& list) const {
     require_width(list, sizeof(Number));
@@ -116,7 +116,7 @@ class File {
     read(list, 0, std::span(numbers));
     return numbers;
   }
-  /// Fills `values` with the numbers of a list from `first` on. Requires that it has so many.
+  /// Fills `values` with the numbers of a list from index `first` on. Requires first + values.size() ≤ count(list).
   template <class Number>
   void read(Place const& list, std::uint64_t first, std::span<Number> values) const {
     auto const into = std::as_writable_bytes(values);

@@ -14,7 +14,7 @@ namespace {
 
 using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
 
-/// A compressor holds tables of some hundred KiB: one for each thread and level.
+/// Returns a compressor for this thread and level. It is reused, since its tables take some hundred KiB.
 libdeflate_compressor* compressor_of(int level) {
   thread_local Compressor compressor(nullptr, &libdeflate_free_compressor);
   thread_local int present_level = -1;
@@ -26,7 +26,7 @@ libdeflate_compressor* compressor_of(int level) {
   return compressor.get();
 }
 
-/// The bytes of the chunk before any filter.
+/// Returns the numbers of the chunk, filled up to its capacity, before any filter.
 std::vector<std::byte> filled_up(ChunkSource const& source) {
   std::vector<std::byte> raw(source.capacity * source.width);
   std::ranges::copy(source.bytes, raw.begin());
@@ -44,7 +44,7 @@ bool is_all_fill(ChunkSource const& source) {
   return true;
 }
 
-/// All first bytes of the numbers, then all second bytes …: bytes that hardly differ come to stand together.
+/// Returns all first bytes of the numbers, then all second bytes, and so on. Similar bytes side by side deflate better.
 std::vector<std::byte> shuffled(std::span<std::byte const> raw, std::size_t width) {
   std::vector<std::byte> result(raw.size());
   std::size_t const count = raw.size() / width;

@@ -7,19 +7,19 @@
 
 namespace gridlock {
 
-/// Numbers to be written into a chunk of HDF5.
+/// Numbers that become one chunk of an HDF5 dataset.
 struct ChunkSource {
-  std::span<std::byte const> bytes;  ///< the numbers there are
-  std::size_t width = 8;             ///< bytes of one number
-  std::size_t capacity = 0;          ///< numbers the chunk holds; the rest is filled up
-  std::uint64_t fill = 0;            ///< the bits of a number that is not there
-  bool keeps_fill = false;           ///< whether a chunk of nothing but the fill value has to exist too
+  std::span<std::byte const> bytes;  ///< the numbers, without fill values
+  std::size_t width = 8;             ///< size of one number in bytes
+  std::size_t capacity = 0;          ///< numbers in the chunk; positions after `bytes` get the fill value
+  std::uint64_t fill = 0;            ///< fill value: the bits of a missing number
+  bool keeps_fill = false;           ///< whether a chunk with only fill values is written too
 };
 
-/// The bytes of a chunk as the filters "shuffle" and "deflate" of HDF5 leave them; only the numbers themselves for
-/// level 0. Empty where every number has the bits of the fill value, and the chunk need not exist.
+/// Returns the bytes of a chunk after HDF5's filters "shuffle" and "deflate"; unfiltered numbers for level 0. Returns
+/// nothing if all numbers equal the fill value, since HDF5 needs no chunk for them.
 ///
-/// HDF5 would do the same in its H5Dwrite(), but one chunk at a time, under its global lock and with a slower deflate.
+/// H5Dwrite() of HDF5 does the same, but one chunk at a time, under a global lock and with a slower deflate.
 std::vector<std::byte> deflated_chunk(ChunkSource const& source, int level);
 
 }  // namespace gridlock

@@ -18,7 +18,7 @@ FrameFormat vtk_frames();
 FrameFormat csv_frames();
 FrameFormat h5md_frames();
 
-/// Adding a format means one line here, one above, and a file behind them.
+/// Lists all formats of trajectories. A new format needs an entry here, a declaration above and a file of its own.
 std::span<FrameFormat const> frame_formats() {
   static std::array const formats{xyz_frames(), vtk_frames(), csv_frames(), h5md_frames()};
   return formats;

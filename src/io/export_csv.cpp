@@ -13,7 +13,7 @@ namespace gridlock {
 
 namespace {
 
-/// One row for each agent of each frame.
+/// Writes a trajectory as CSV, one row for each agent of each frame.
 class CsvFrames final : public FrameWriter {
  public:
   explicit CsvFrames(std::filesystem::path const& file) : file_(file) {}

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbers of a VTK file, each vector of the plane with a third component.
+/// Writes numbers into a VTK file; vectors of the plane get the third component 0.
 class VtkArrays {
  public:
   explicit VtkArrays(FrameSource const& frame) : frame_(frame) {}
@@ -29,7 +29,7 @@ class VtkArrays {
 
   template <class Number>
   static std::string text(std::string const& name, std::size_t components, std::vector<Number> const& numbers) {
-    // Nothing else tells readers of field data how many there are.
+    // The number of values is written out, since readers of VTK cannot derive it for field data.
     std::string result =
         fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" NumberOfTuples="{}" format="ascii">)",
                     type_name<Number>(), name, components, numbers.size() / components);
@@ -66,7 +66,7 @@ class VtkArrays {
   FrameSource const& frame_;
 };
 
-/// One frame as points with a vertex each, in VTK's XML format for polygons.
+/// Returns a frame in VTK's XML format for polygons: each agent is a point with a vertex.
 std::string vtp_text(FrameSource const& frame) {
   VtkArrays const arrays(frame);
   std::string points;
@@ -95,14 +95,14 @@ std::string vtp_text(FrameSource const& frame) {
       frame.size(), data, points, VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
 }
 
-/// The directory of the frames that the file lists.
+/// Returns the directory with the files of the single frames.
 fs::path vtk_directory(fs::path const& file) { return file.parent_path() / file.stem(); }
 
 fs::path vtk_file(fs::path const& file, std::uint64_t step) {
   return vtk_directory(file) / fmt::format("step_{:010}.vtp", step);
 }
 
-/// A file for each frame, and one that lists them.
+/// Writes a file for each frame, and a file that lists them all.
 class VtkFrames final : public FrameWriter {
  public:
   explicit VtkFrames(fs::path file) : file_(std::move(file)) { fs::create_directories(vtk_directory(file_)); }

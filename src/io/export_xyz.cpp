@@ -14,7 +14,7 @@ namespace gridlock {
 
 namespace {
 
-/// A frame with the momenta as well: ASE knows velocities by them only. Agents without a mass have the mass 1.
+/// A frame with momenta added, since ASE does not read velocities. Agents without a mass get the mass 1.
 class WithMomenta final : public FrameSource {
  public:
   explicit WithMomenta(FrameSource const& frame)
@@ -43,7 +43,7 @@ class WithMomenta final : public FrameSource {
     bool const is_real = place && std::holds_alternative<std::vector<double>>(frame.columns()[*place].values);
     return is_real ? place : std::nullopt;
   }
-  /// Their places; none where the frame has not both.
+  /// Returns the indices of the two columns of velocities; none if a frame lacks one of them.
   static std::vector<std::size_t> velocities_of(FrameSource const& frame) {
     auto const x = reals(frame, VelocityX::name);
     auto const y = reals(frame, VelocityY::name);
@@ -62,7 +62,7 @@ class WithMomenta final : public FrameSource {
   std::vector<std::size_t> velocities_;
 };
 
-/// All frames in one file.
+/// Writes all frames of a trajectory into one file.
 class XyzFrames final : public FrameWriter {
  public:
   explicit XyzFrames(std::filesystem::path const& file) : file_(file) {}

@@ -26,7 +26,7 @@ constexpr std::size_t buffer_size = std::size_t{256} * 1024;
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
-/// Where a symbolic link points to in the end; the path itself where it is none, or a broken one.
+/// Returns the target of a chain of symbolic links; the path itself if it is no link, or if the link is broken.
 std::filesystem::path follow_links(std::filesystem::path const& path) {
   std::error_code ignored;
   if (!std::filesystem::is_symlink(path, ignored)) return path;
@@ -41,23 +41,23 @@ bool is_written_directly(std::filesystem::path const& path) {
   return type == character || type == block || type == fifo || type == socket;
 }
 
-/// Opens a new file beside `target`, locked; its name tells a user who finds one after a crash what it was to become.
+/// Creates and locks a temporary file beside `target`. Its name contains the target's, for users to recognize.
 int open_temporary(std::filesystem::path const& target, std::filesystem::path& temporary) {
   for (int attempt = 0;; ++attempt) {
     temporary = target.parent_path() / fmt::format(".{}.{}-{}.part", target.filename().string(), getpid(), attempt);
     int const descriptor = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && (errno != EEXIST || attempt > 1000)) return descriptor;
     if (descriptor < 0) continue;
-    // Some file systems know no locks; leftovers stay there.
+    // Some file systems have no locks; temporary files left there by killed processes are not removed.
     while (flock(descriptor, LOCK_EX) != 0 && errno == EINTR) {
     }
-    // Between the two calls another process may have taken it for a leftover.
+    // Between open() and flock() another process may have removed the file as a leftover.
     if (is_still_named(descriptor, temporary)) return descriptor;
     close(descriptor);
   }
 }
 
-/// Whether a name is one that open_temporary() gives.
+/// Returns whether open_temporary() gives names of this form.
 bool is_name_of_temporary(std::string_view name) {
   constexpr std::string_view end = ".part";
   if (!name.starts_with('.') || !name.ends_with(end)) return false;
@@ -71,8 +71,8 @@ bool is_name_of_temporary(std::string_view name) {
          is_number(numbers.substr(dash + 1));
 }
 
-/// A rename survives a power cut once the directory is on the disk. Some file systems cannot do that; the file is whole
-/// under one of its names all the same.
+/// Syncs a directory, so that a rename in it survives a power cut. Errors are ignored, as some file systems cannot do
+/// this; the file is complete under its old or new name anyway.
 void bring_names_to_disk(std::filesystem::path const& directory) {
   Descriptor const opened(open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (opened.is_open()) fsync(opened.number());
@@ -96,7 +96,7 @@ void remove_if_abandoned(std::filesystem::path const& path) {
   refuse_reading(path, fmt::format("it is larger than {} bytes", largest), "is it the right file?");
 }
 
-/// Whether reading would go on for ever, as that of /dev/zero or of a whole disk. /dev/null is an empty file.
+/// Returns whether reading would never end, as for /dev/zero or a whole disk. /dev/null counts as an empty file.
 bool has_no_end(struct stat const& status) {
   dev_t const null_device = makedev(1, 3);
   return S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && status.st_rdev != null_device);
@@ -124,7 +124,7 @@ std::optional<int> descriptor_named(std::filesystem::path const& path) {
 AtomicFile::AtomicFile(std::filesystem::path path, AtName at_name)
     : path_(std::move(path)), target_(at_name == AtName::replaced ? path_ : follow_links(path_)) {
   if (auto const named = at_name == AtName::written_through ? descriptor_named(path_) : std::nullopt) {
-    // What was written to it before stays: opened anew, a file would be written from its beginning.
+    // A duplicate of the descriptor continues after earlier output; opening the path would write from the beginning.
     descriptor_ = fcntl(*named, F_DUPFD_CLOEXEC, 0);
   } else if (at_name == AtName::written_through && is_written_directly(target_)) {
     descriptor_ = open(target_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -160,7 +160,7 @@ void AtomicFile::commit(std::filesystem::path const& previous) {
     return;
   }
   if (fsync(descriptor_) != 0) fail(errno);
-  // Closed after it has its name: closing gives up the lock that keeps others from removing it.
+  // The file is closed after the rename, since closing releases the lock that keeps other processes from removing it.
   if (!previous.empty() && std::rename(target_.c_str(), previous.c_str()) != 0 && errno != ENOENT) fail(errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
   temporary_.clear();
@@ -255,7 +255,7 @@ std::size_t FileReader::read(std::span<char> into) {
 std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
   FileReader file(path);
   if (file.size() > largest) refuse_too_large(path, largest);
-  // The size is only a first guess: a pipe has none, and the file may grow while it is read.
+  // The size is only a first guess, since a pipe has none and a file may grow while it is read.
   std::string content(static_cast<std::size_t>(file.size()) + 1, '\0');
   std::size_t filled = 0;
   while (true) {
@@ -279,7 +279,7 @@ void make_output_directory(std::filesystem::path const& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) refuse(error.message());
-  // Permission bits do not tell of read-only file systems, quotas or root: only creating a file does.
+  // A probe file is created, since permission bits do not show read-only file systems, quotas or the rights of root.
   std::filesystem::path probe;
   int const descriptor = open_temporary(path / "probe", probe);
   if (descriptor < 0) refuse(reason(errno));

@@ -12,21 +12,22 @@
 
 namespace gridlock {
 
-/// The open descriptor of this process that a path names, itself or by links: 1 for /dev/stdout; nothing for other
-/// paths.
+/// Returns the open descriptor of this process that a path leads to, directly or by links: 1 for /dev/stdout; nothing
+/// for other paths.
 std::optional<int> descriptor_named(std::filesystem::path const& path);
 
-/// The treatment of a link, device or directory that has the name of a file to be written.
+/// The treatment of a link, device or directory at the path of a file to be written.
 enum class AtName {
-  written_through,  ///< a link stays, and the file it leads to is written; a device, a pipe or an open descriptor is written directly
-  replaced,  ///< a link, device or pipe is replaced
+  /// Links stay and the file they lead to is written; a device, pipe or open descriptor is written directly.
+  written_through,
+  replaced,  ///< a link, device or pipe is replaced by the file
 };
 
 /// A file that appears under its name complete or not at all.
 ///
-/// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. A crash or a full disk
-/// never destroys the file that was there before. Without a commit() nothing is left behind, but where the process is
-/// killed: then the temporary file stays until remove_leftovers() finds it.
+/// Text goes to a temporary file in the same directory; commit() syncs that to the disk and renames it. A crash or a
+/// full disk never destroys the file that existed before. Without a commit() the temporary file is removed; if the
+/// process is killed, it stays until remove_leftovers() removes it.
 /// Errors: RunFailure with the reason of the operating system. Cost: one buffer of 256 KiB, whatever the file's size.
 class AtomicFile {
  public:
@@ -36,10 +37,10 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile const&) = delete;
 
   void append(std::string_view text);
-  /// Where the bytes lie until commit(), for another program to write there instead of append().
+  /// Returns the path of the bytes before commit(), so that another program can write them instead of append().
   [[nodiscard]] std::filesystem::path const& location() const { return temporary_.empty() ? target_ : temporary_; }
-  /// Brings the file to its name, and the name to the disk; nothing may be appended after it. A file that had the name
-  /// before is kept as `previous` where that is given.
+  /// Syncs the file to the disk and renames it; no append() may follow. An earlier file of that name is renamed to
+  /// `previous`, if that is given.
   void commit(std::filesystem::path const& previous = {});
 
  private:
@@ -47,44 +48,44 @@ class AtomicFile {
   void discard() noexcept;
   [[noreturn]] void fail(int error_number);
 
-  std::filesystem::path path_;       ///< as the user knows it
-  std::filesystem::path target_;     ///< path_, with symbolic links followed where a link stays a link
-  std::filesystem::path temporary_;  ///< empty where the target is written directly
+  std::filesystem::path path_;       ///< path as the user gave it
+  std::filesystem::path target_;     ///< path_, or the target of its symbolic links where these are kept
+  std::filesystem::path temporary_;  ///< empty if the target is written directly
   int descriptor_ = -1;
   std::string buffer_;
 };
 
-/// Writes the whole file at once, as AtomicFile does.
+/// Writes a whole file at once, by an AtomicFile.
 void write_file(std::filesystem::path const& path, std::string_view content);
 
-/// Removes the temporary files that AtomicFile of killed processes left in a directory: `.NAME.PID-NUMBER.part`.
+/// Removes the temporary files that killed processes left in a directory, named `.NAME.PID-NUMBER.part`.
 ///
-/// A process holds a lock on its temporary file, and the lock goes with the process, on whatever machine of a shared
-/// file system it runs. So a file that can be locked belongs to no living process; its number in the name proves
-/// nothing, as processes of other machines and containers have the same numbers.
+/// A process holds a lock on its temporary file until it ends, on any machine of a shared file system. A file that can
+/// be locked thus belongs to no living process. The PID in the name is no proof, as processes on other machines and in
+/// other containers have the same numbers.
 void remove_leftovers(std::filesystem::path const& directory);
 
-/// Refuses a name of anything but a regular file; reading a pipe would wait for its writer for ever.
-/// Errors: Error naming the file.
+/// Throws if a path exists and is not a regular file, since reading a pipe may wait for its writer for ever. Errors:
+/// Error naming the file.
 void require_regular_file(std::filesystem::path const& path);
 
-/// The bytes that a file has. Errors: Error where there is none, or where it is larger than `largest` bytes.
+/// Returns the size of a file in bytes. Errors: Error if it is missing or larger than `largest` bytes.
 std::uint64_t size_of_file(std::filesystem::path const& path, std::uint64_t largest);
 
-/// Fills `into` with what a file holds from `offset` on. Errors: Error for a file that is unreadable or shorter.
+/// Fills `into` with the bytes of a file from `offset` on. Errors: Error if the file is unreadable or too short.
 void read_piece(std::filesystem::path const& path, std::uint64_t offset, std::span<char> into);
 
-/// A file that is read from its beginning, piece by piece; also a pipe, which cannot be read twice.
+/// Reads a file or pipe from its beginning, piece by piece. A pipe cannot be read twice.
 class FileReader {
  public:
-  /// Errors: Error for a file that is missing, a directory or unreadable.
+  /// Errors: Error if the file is missing, a directory or unreadable.
   explicit FileReader(std::filesystem::path path);
 
-  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error.
+  /// Fills the beginning of `into`; returns the number of bytes, 0 at the end. Errors: Error if reading fails.
   std::size_t read(std::span<char> into);
 
   [[nodiscard]] bool is_regular() const { return is_regular_; }
-  /// In bytes, before anything is read; 0 of a pipe.
+  /// Returns the size of the file in bytes when it was opened; 0 for a pipe.
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
  private:
@@ -94,11 +95,11 @@ class FileReader {
   std::uint64_t size_ = 0;
 };
 
-/// The bytes of a file.
-/// Errors: Error for a file that is missing, a directory, unreadable or larger than `largest` bytes (2 GiB).
+/// Returns the bytes of a file.
+/// Errors: Error if the file is missing, a directory, unreadable or larger than `largest` bytes (2 GiB).
 std::string read_file(std::filesystem::path const& path, std::uint64_t largest = std::uint64_t{1} << 31);
 
-/// Creates a directory with its parents, makes sure that files can be created in it, and removes leftovers from it.
+/// Creates a directory with its parents, checks that files can be created in it, and removes leftovers from it.
 /// Errors: Error under the key "-o", with the reason of the operating system.
 void make_output_directory(std::filesystem::path const& path);
 

@@ -62,14 +62,14 @@ constexpr std::array marks{
     Mark{"# vtk DataFile"sv, 0, {"vtk", "a file of VTK", to_xyz}},
     Mark{"LAMMPS data"sv, 0, {"lammps_data", "a data file of LAMMPS", to_xyz}}};
 
-/// Whether there are no control characters but those between words and lines: not even the one that HDF5 files begin
-/// with, so that what is left of one is no text.
+/// Returns whether bytes have no control characters but those between words and lines. The rest of a damaged HDF5 file
+/// is therefore no text, since HDF5 begins with a control character.
 bool is_text(std::string_view bytes) {
   unsigned char before = 0;
   for (char const byte : bytes) {
     auto const code = static_cast<unsigned char>(byte);
     bool const is_low = code < 0x20 && (code < '\t' || code > '\r');
-    // Behind another byte of this half it is a part of a character in UTF-8.
+    // After a byte ≥ 0x80 such a byte continues a character of UTF-8.
     bool const is_high = code >= 0x7F && code < 0xA0 && before < 0x80;
     if (is_low || is_high) return false;
     before = code;
@@ -86,7 +86,7 @@ bool is_extended_xyz(std::string_view text) {
          (second.find("Lattice") != std::string_view::npos || second.find("Properties") != std::string_view::npos);
 }
 
-/// As many first bytes of a file as recognize_format() looks at; nothing where it is missing, or no regular file.
+/// Returns the first bytes_of_format bytes of a file, or fewer; none if it is missing or not a regular file.
 std::string first_bytes_of(fs::path const& path) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return "";

@@ -9,27 +9,27 @@
 
 namespace gridlock {
 
-/// A format that a file shows by its first bytes, whatever it is called.
+/// A file format that is recognized by the first bytes of a file, not by its name.
 struct FileFormat {
   std::string_view id;    ///< "hdf5", "gsd", "netcdf", "lammps_dump" …
-  std::string_view name;  ///< as in "x is a GSD file"
-  std::string_view hint;  ///< how Gridlock comes to its content, where it is told to read another format
+  std::string_view name;  ///< with an article: "a GSD file"
+  std::string_view hint;  ///< how to convert a file into a format that Gridlock reads
 };
 
-/// As many bytes as recognize_format() looks at.
+/// Number of bytes that recognize_format() needs.
 inline constexpr std::size_t bytes_of_format = 512;
 
-/// The format whose mark a file begins with; nothing for texts without a mark, such as XYZ, CSV and TOML.
+/// Returns the format whose mark a file begins with; nothing for texts without a mark, such as XYZ, CSV and TOML.
 std::optional<FileFormat> recognize_format(std::string_view first_bytes);
 
-/// The same of a file. Nothing where it is missing, or no regular file: a pipe can be read only once.
+/// Returns the format of a file; nothing if it is missing or not a regular file, since a pipe can be read only once.
 std::optional<FileFormat> recognize_format(std::filesystem::path const& path);
 
-/// The kind of a text without a mark: extended XYZ or another one, also where gzip packed it; nothing for other bytes
+/// Returns the kind of a text without a mark: extended XYZ or other text, also packed by gzip; nothing for other bytes
 /// and for an empty file.
 std::optional<FileFormat> recognize_text(std::filesystem::path const& path);
 
-/// The refusal of a file of this format where `wanted` is read ("extended XYZ").
+/// Returns the error for a file of this format where `wanted` ("extended XYZ") is expected.
 Error wrong_format(FileFormat const& format, std::string const& file, std::string_view wanted);
 
 }  // namespace gridlock

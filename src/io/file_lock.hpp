@@ -4,8 +4,8 @@
 
 namespace gridlock {
 
-/// Whether an open file still is the one with that name. One who waited for the lock of a file may find that its last
-/// owner has removed it.
+/// Returns whether `path` still leads to this open file. Another process may have removed the file before its lock was
+/// obtained.
 bool is_still_named(int descriptor, std::filesystem::path const& path);
 
 }  // namespace gridlock

@@ -13,8 +13,7 @@
 
 namespace gridlock {
 
-/// Writes the frames of a trajectory one after the other: those of a run as they come, or those of a trajectory that is
-/// turned into another format.
+/// Writes the frames of a trajectory one after the other, from a run or from a trajectory that is converted.
 class FrameWriter {
  public:
   FrameWriter() = default;
@@ -22,43 +21,43 @@ class FrameWriter {
   FrameWriter& operator=(FrameWriter const&) = delete;
   virtual ~FrameWriter() = default;
 
-  /// Adds a frame with what H5mdFrame has beside it; a format leaves out what it has no place for.
-  /// Errors: RunFailure where the file cannot be written.
+  /// Adds a frame with its observables and state hash; a format may leave these out. Errors: RunFailure if writing
+  /// fails.
   virtual void write(FrameSource const& frame, std::span<double const> observables, std::uint64_t state_hash) = 0;
-  /// Makes the file whole after the last frame, where it is not whole after each.
+  /// Completes the file after the last frame, for formats whose file is not complete after each frame.
   virtual void finish() {}
 
-  // These are asked where FrameFormat::append exists.
+  // The next two functions are called only for formats with FrameFormat::append.
 
-  /// The step of the last frame.
+  /// Returns the step of the last frame.
   [[nodiscard]] virtual std::optional<std::uint64_t> last_step() const { return std::nullopt; }
-  /// The state hash of the frame at that step, where there is one.
+  /// Returns the state hash of the frame at a step; nothing if there is no such frame.
   [[nodiscard]] virtual std::optional<std::uint64_t> state_hash_at(std::uint64_t /*step*/) const {
     return std::nullopt;
   }
 };
 
-/// The record of a format of trajectories: nothing outside its own file compares its name.
+/// A format of trajectories, found by name or extension. Only the format's own source file contains its name.
 struct FrameFormat {
   std::string_view name;          ///< "vtk", for `gridlock export --to`
   std::string_view extension;     ///< ".pvd"
-  std::string_view readers = {};  ///< programs that read it, for the help
+  std::string_view readers = {};  ///< programs that read the format, for the help
   bool is_exported = true;        ///< whether `gridlock export` offers it
-  /// The file of one frame, where each has its own beside the one that lists them; null where one file has them all.
+  /// Returns the path of the file for one frame; null for formats with all frames in a single file.
   std::filesystem::path (*file_of_step)(std::filesystem::path const& file, std::uint64_t step) = nullptr;
   std::unique_ptr<FrameWriter> (*create)(std::filesystem::path const& file, H5mdSettings const& header) = nullptr;
-  /// Continues a file with frames of these columns. Null where a run cannot write the format: it has to continue after
-  /// a kill. Errors: Error for a file that it cannot continue.
+  /// Continues a file with frames of these columns. Null for formats that a run cannot write, since a run must be able
+  /// to continue after a kill. Errors: Error if the file cannot be continued.
   std::unique_ptr<FrameWriter> (*append)(std::filesystem::path const& file, FrameSource const& first) = nullptr;
-  /// The settings of the run that a file belongs to, as TOML; null as append().
+  /// Returns the settings of the run that wrote a file, as TOML; null if `append` is null.
   std::string (*configuration_of)(std::filesystem::path const& file) = nullptr;
 };
 
-/// Those of all formats.
+/// Returns all formats of trajectories.
 std::span<FrameFormat const> frame_formats();
-/// The one of that name. Errors: Error where there is none.
+/// Returns the format with this name. Errors: Error if there is none.
 FrameFormat const& frame_format(std::string_view name);
-/// The one that a run writes into a file of that name. Errors: Error where runs write no such files.
+/// Returns the format of a run's trajectory, by the file's extension. Errors: Error if runs do not write it.
 FrameFormat const& frame_format_of_run(std::filesystem::path const& file);
 
 }  // namespace gridlock

@@ -11,12 +11,12 @@ namespace gridlock {
 
 namespace {
 
-/// Rows of numbers become five times as small at most; a file that asks for much more is a trap.
+/// Largest ratio of unpacked to packed bytes. Rows of numbers reach about 5; a hostile file may exhaust the memory.
 constexpr std::uint64_t max_packed = 100;
-/// Bound for a part of any length: a header packs better than rows.
+/// Unpacked bytes for which any ratio is allowed, since headers pack better than rows.
 constexpr std::uint64_t always_allowed = std::uint64_t{1} << 20;
 
-/// zlib reads headers and checksums of gzip itself where this is added to the size of its window.
+/// Value added to the window size of zlib, which makes zlib read and check the headers and checksums of gzip.
 constexpr int gzip_only = 16;
 
 }  // namespace
@@ -45,7 +45,7 @@ class GzipReader::Stream {
   }
 
  private:
-  /// Whether there are more packed bytes.
+  /// Fetches packed bytes; returns false at their end.
   bool fetch() {
     std::size_t const got = packed_(buffer_);
     zlib_.next_in = reinterpret_cast<Bytef*>(buffer_.data());
@@ -54,7 +54,7 @@ class GzipReader::Stream {
     return got > 0;
   }
 
-  /// Whether the packed bytes at hand are good.
+  /// Unpacks bytes of the buffer; returns false if they are damaged.
   bool unpack() {
     is_between_parts_ = false;
     int const result = inflate(&zlib_, Z_NO_FLUSH);

@@ -10,13 +10,13 @@
 
 namespace gridlock {
 
-/// Fills the beginning of a span with what comes next, and returns how many bytes have come: 0 at the end.
+/// Fills the beginning of a span with the next bytes; returns their number, 0 at the end.
 using ReadBytes = std::function<std::size_t(std::span<char> into)>;
 
-/// Whether bytes begin as a file of gzip does.
+/// Returns whether bytes begin with the mark of gzip.
 inline bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
-/// Unpacks what gzip packed, of one part or of several one after the other, piece by piece.
+/// Unpacks a gzip file of one or several parts, piece by piece.
 class GzipReader {
  public:
   explicit GzipReader(ReadBytes packed);
@@ -24,8 +24,8 @@ class GzipReader {
   GzipReader(GzipReader&&) noexcept;
   GzipReader& operator=(GzipReader&&) noexcept;
 
-  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end; nothing where the packed bytes
-  /// are damaged or cut off, or become so much longer that they are a trap. Errors: std::bad_alloc.
+  /// Fills the beginning of `into`; returns the number of bytes, 0 at the end. Returns nothing if the packed bytes are
+  /// damaged, cut off, or unpack to a suspiciously large size. Errors: std::bad_alloc.
   std::optional<std::size_t> read(std::span<char> into);
 
  private:

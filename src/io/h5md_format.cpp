@@ -34,7 +34,7 @@ FrameFormat h5md_frames() {
   return {
       .name = "h5md",
       .extension = ".h5",
-      .is_exported = false,  // it is what is exported
+      .is_exported = false,  // it is the format that exports convert
       .create = [](std::filesystem::path const& file, H5mdSettings const& header) -> std::unique_ptr<FrameWriter> {
         return std::make_unique<H5mdFrames>(file, header);
       },

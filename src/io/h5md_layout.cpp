@@ -6,7 +6,7 @@ namespace gridlock::h5md {
 
 namespace {
 
-/// The name of the vector whose components two columns are; empty where they are none.
+/// Returns the name of the vector with these two columns as components; empty if they form no vector.
 std::string vector_name(FrameColumn const& first, FrameColumn const& second) {
   if (first.values.index() != second.values.index()) return "";
   if (first.name == "x" && second.name == "y") return "position";
@@ -15,7 +15,7 @@ std::string vector_name(FrameColumn const& first, FrameColumn const& second) {
   return second.name.substr(0, second.name.size() - 2) == name ? name : "";
 }
 
-/// The reduced unit of what every population may have.
+/// Returns the reduced unit of a column that every population may have; empty for other columns.
 std::string unit_of(std::string_view element) {
   if (element == "position" || element == "radius") return "length";
   if (element == "velocity") return "length/time";

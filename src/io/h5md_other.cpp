@@ -22,7 +22,7 @@ namespace {
 using hdf5::Handle;
 using hdf5::NumberKind;
 
-/// The range of the positions of one frame in one direction.
+/// The range of the positions of one frame along one axis.
 struct Span {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ struct Span {
   }
 };
 
-/// Puts positions inside; each with its image is the same point before and after.
+/// Moves positions into the periodic box and updates their images, so that each pair denotes the same point as before.
 void fold_all(std::vector<double>& values, double side, std::vector<std::int32_t>* images) {
   for (std::size_t row = 0; row < values.size(); ++row) {
     double const before = values[row];
@@ -57,7 +57,7 @@ void count_from_wall(std::vector<double>& values, double side, Span const* aroun
   }
 }
 
-/// The trajectory of another program.
+/// A trajectory of another program than Gridlock.
 class OtherTrajectory final : public Source {
  public:
   explicit OtherTrajectory(std::filesystem::path path) : path_(std::move(path)) {
@@ -122,7 +122,7 @@ class OtherTrajectory final : public Source {
   std::vector<Clock> clocks_;
   Edge edge_ = Edge::wall;
   std::vector<Quantity> quantities_;
-  std::optional<std::pair<Span, Span>> around_;  ///< all positions of all frames, where there are no edges
+  std::optional<std::pair<Span, Span>> around_;  ///< range of all positions in x and y, for boxes without edges
 };
 
 void OtherTrajectory::find_agents() {
@@ -171,11 +171,11 @@ void OtherTrajectory::read_clocks() {
     steps.resize(clocks_.size());
     std::iota(steps.begin(), steps.end(), 0.0);
   }
-  // Without times the steps are the only clock there is.
+  // A file without times gets its steps as times.
   if (times.empty()) times = steps;
-  // A file that is still being written has the positions of a frame before its step.
+  // In a file that is still being written, the positions of a frame come before its step.
   clocks_.resize(std::min({clocks_.size(), steps.size(), times.size()}));
-  constexpr double max_step = 9007199254740992.0;  // up to 2⁵³ all whole numbers are there
+  constexpr double max_step = 9007199254740992.0;  // up to 2⁵³ every whole number is a double
   for (std::size_t k = 0; k < clocks_.size(); ++k) {
     if (!(steps[k] >= 0.0 && steps[k] <= max_step))
       throw hdf5::Failure(fmt::format("frame {} is of step {}", k, steps[k]));
@@ -215,7 +215,7 @@ std::optional<Quantity> OtherTrajectory::quantity_of(std::string const& name) co
   if (!dataset || hdf5::kind_of_numbers(*dataset) == NumberKind::other) return std::nullopt;
   std::vector<hsize_t> extent = hdf5::extent_of(*dataset);
   if (!is_fixed) {
-    // A quantity may be measured more seldom than positions.
+    // A quantity that is measured less often than positions is left out.
     if (extent.empty() || extent[0] < clocks_.size()) return std::nullopt;
     std::vector<double> const steps = clock_of(file_, path, "step", clocks_.size());
     for (std::size_t k = 0; k < steps.size() && k < clocks_.size(); ++k) {
@@ -231,7 +231,7 @@ std::optional<Quantity> OtherTrajectory::quantity_of(std::string const& name) co
 void OtherTrajectory::find_quantities() {
   for (std::string const& name : hdf5::names_in(hdf5::open_group(file_, group_))) {
     if (name == "box" || name == "position" || name == "id") continue;
-    // Radii are half of diameters; a file may have both.
+    // Diameters are left out if the file has radii too.
     bool const is_twice = name == "diameter" && quantity_of("radius");
     if (auto const quantity = quantity_of(name); quantity && !is_twice) {
       quantities_.push_back(*quantity);
@@ -263,7 +263,7 @@ bool OtherTrajectory::has_edges() const {
                  hdf5::find_dataset(file_, group_ + "/box/edges/value"));
 }
 
-/// Without edges nothing is known of the box: it is the rectangle around all positions of all frames.
+/// Sets the box to the rectangle around all positions of all frames, for files without edges of the box.
 void OtherTrajectory::surround() {
   if (edge_ == Edge::periodic) throw hdf5::Failure("its box is periodic and has no edges");
   auto& [x, y] = around_.emplace();
@@ -273,7 +273,7 @@ void OtherTrajectory::surround() {
   }
 }
 
-/// Edges are lengths, or a matrix of vectors; of all frames, or of steps of their own.
+/// Returns the sides of the box in frame k. Edges are lengths or a matrix, fixed or with steps of their own.
 std::pair<double, double> OtherTrajectory::sides_at(std::size_t k) const {
   if (around_) return {around_->first.max - around_->first.min, around_->second.max - around_->second.min};
   std::string const path = group_ + "/box/edges";
@@ -321,8 +321,8 @@ std::vector<std::string> OtherTrajectory::column_names() const {
   return names;
 }
 
-/// The rows of a frame in the order of the Ids, which are the numbers of the rows where the file has none. A negative
-/// Id, or the largest there is, is that of an agent who is absent.
+/// Returns the rows of a frame in ascending order of Ids. Without Ids in the file, row numbers are Ids. A negative Id
+/// or the largest possible Id marks an absent agent.
 std::vector<std::size_t> OtherTrajectory::row_index(std::size_t k, std::vector<Id>& ids) const {
   std::vector<std::size_t> rows(agents_);
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -350,7 +350,7 @@ std::vector<std::size_t> OtherTrajectory::row_index(std::size_t k, std::vector<I
   return rows;
 }
 
-/// Agents in space have no place in a plane, unless they all lie in one.
+/// Throws if the positions in three dimensions do not lie in one plane, since Gridlock's box is a plane.
 void OtherTrajectory::require_plane(std::size_t k) const {
   if (dimensions_ == 2) return;
   Span z;
@@ -361,9 +361,9 @@ void OtherTrajectory::require_plane(std::size_t k) const {
   }
 }
 
-/// Counts positions from the lower left corner of the box, and images with them. In a periodic box every position is
-/// that of an image inside, wherever the file has its origin; between walls positions say whether the origin is the
-/// corner or the middle of the box.
+/// Moves positions into the box, with its lower left corner as origin. In a periodic box the file's origin does not
+/// matter, since positions are folded and images updated. Between walls a negative position shows that the origin is
+/// the middle of the box.
 void OtherTrajectory::put_inside(Frame& frame) const {
   auto const put = [&](std::size_t c, char const* image, double side, Span const* around) {
     auto& values = std::get<std::vector<double>>(frame.columns[c].values);
@@ -392,7 +392,7 @@ FrameValues in_order(FrameValues const& values, std::vector<std::size_t> const& 
       values);
 }
 
-/// Radii, where the file has diameters.
+/// Converts diameters to radii.
 void convert(Quantity const& quantity, FrameValues& values) {
   if (quantity.name == "diameter") {
     auto* const numbers = std::get_if<std::vector<double>>(&values);

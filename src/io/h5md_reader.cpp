@@ -18,7 +18,7 @@ namespace {
 
 using hdf5::Handle;
 
-/// A trajectory that H5mdWriter has written.
+/// A trajectory that H5mdWriter wrote.
 class OwnTrajectory final : public h5md::Source {
  public:
   explicit OwnTrajectory(std::filesystem::path path) : path_(std::move(path)) {
@@ -80,8 +80,8 @@ void OwnTrajectory::open() {
   if (groups.empty()) throw hdf5::Failure("there are no /particles");
   settings_.agents = groups[0];
   group_ = "/particles/" + groups[0];
-  // Before anything else that grows with the frames: the step of a frame is written last, so that all the rest of a
-  // frame that is counted here is there when it is looked at after this.
+  // The steps are read first. A writer adds the step of a frame last, so all data of the frames counted here already
+  // exist.
   read_clocks();
   edge_ = hdf5::read_texts(hdf5::open_group(file_, group_ + "/box"), "boundary")[0] == "periodic" ? Edge::periodic
                                                                                                   : Edge::wall;
@@ -218,8 +218,8 @@ H5mdFrame OwnTrajectory::read_frame(std::size_t k) const {
   return result;
 }
 
-/// Whether Gridlock has written it. Either of two signs will do, so that no damage of one byte makes another program of
-/// it, whose frames have no checksums.
+/// Returns whether Gridlock wrote the file. Either of two marks suffices: a damaged byte in one mark must not make the
+/// file count as another program's, whose frames have no checksums.
 bool is_own(std::filesystem::path const& path) {
   return h5md::guarded(path, [&] {
     hdf5::size_of_file(path);

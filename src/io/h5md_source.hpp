@@ -13,7 +13,7 @@
 
 namespace gridlock::h5md {
 
-/// The source of frames from which H5mdReader reads, of Gridlock or of another program.
+/// The interface by which H5mdReader reads frames that Gridlock or another program wrote.
 class Source {
  public:
   Source() = default;
@@ -29,15 +29,15 @@ class Source {
   [[nodiscard]] virtual std::optional<FrameContacts> contacts() const = 0;
 };
 
-/// A trajectory of another program. Errors: Error naming the file.
+/// Opens a trajectory of another program. Errors: Error naming the file.
 std::unique_ptr<Source> open_other(std::filesystem::path const& path);
 
-/// Deflate makes nothing smaller than this share of itself, so that a damaged size does not ask for all the memory.
+/// Largest ratio of unpacked to packed bytes for deflate. A size above it is damaged, and must not exhaust the memory.
 inline constexpr std::uint64_t max_deflation = 1032;
 
 [[noreturn]] void refuse(std::filesystem::path const& path, std::string const& reason);
 
-/// Does work on a file, and turns what HDF5 complains of into an Error that names the file.
+/// Calls `work`, and turns a failure of HDF5 into an Error that names the file.
 template <class Work>
 auto guarded(std::filesystem::path const& path, Work const& work) {
   std::string reason;

@@ -8,14 +8,14 @@
 
 namespace gridlock {
 
-/// The frames of a trajectory in H5MD as extended XYZ, one after the other: what reads that reads trajectories too, and
-/// asks for the frame where there are several. One frame is in memory at a time, as text.
+/// The frames of a trajectory in H5MD as extended XYZ, one after the other. Readers of extended XYZ thereby read
+/// trajectories too, with the choice of a frame. One frame at a time is in memory, as text.
 struct TrajectoryText {
   ReadBytes bytes;
-  std::vector<std::string> left_out;  ///< names in the file of another program that are not in the text
+  std::vector<std::string> left_out;  ///< names of data in another program's file that the text omits
 };
 
-/// Errors: Error as of H5mdReader, also from the function.
+/// Opens a trajectory. Errors: those of H5mdReader, also when the text is read.
 TrajectoryText text_of_trajectory(std::filesystem::path const& path);
 
 }  // namespace gridlock

@@ -24,10 +24,10 @@ namespace {
 using hdf5::Access;
 using hdf5::Handle;
 
-/// Chunks of fewer numbers together are not worth waking other threads for.
+/// Smallest number of values that several threads deflate; waking threads for fewer takes longer.
 constexpr std::size_t min_parallel_numbers = 100'000;
 constexpr std::size_t room_for_indices = 65536;
-/// Chunks in memory at a time: for each core, so that all of them have work until nearly the end, and at least.
+/// Maximum number of chunks in memory for each core, so that all cores stay busy; at least min_chunks_in_memory.
 constexpr std::size_t chunks_per_core = 3;
 constexpr std::size_t min_chunks_in_memory = 12;
 
@@ -36,7 +36,7 @@ hid_t native_of(FrameValues const& values) {
                     values);
 }
 
-/// The shape of a new dataset, whose first dimension is the frames, none yet.
+/// The shape of a new dataset; its first dimension is the frames, 0 at first.
 struct Shape {
   std::vector<hsize_t> extent;
   std::vector<hsize_t> max;
@@ -68,11 +68,11 @@ void create_dataset(Handle const& file, std::string const& path, hid_t type, Sha
 }
 
 void set_unit(Handle const& file, std::string const& path, std::string const& unit) {
-  // Not H5MD's attribute "unit": these are reduced units, and readers refuse a unit they cannot convert.
+  // The attribute is not H5MD's "unit", since readers refuse units that they cannot convert, such as reduced units.
   if (!unit.empty()) hdf5::set_attribute(hdf5::open_dataset(file, path), "reduced_unit", unit);
 }
 
-/// Writes the head of a new trajectory: everything that is there before the first frame.
+/// Writes the parts of a new trajectory that precede the first frame.
 class Beginning {
  public:
   Beginning(Handle const& file, H5mdSettings const& settings, FrameSource const& first)
@@ -164,7 +164,7 @@ class Beginning {
     link_clock("/parameters/frames");
   }
 
-  /// In the form of H5MD that depends on time: disks that move afterwards have other contacts.
+  /// The contacts are written as one frame of a time-dependent element, since they change when disks move afterwards.
   void write_contacts(FrameContacts const& contacts) {
     hsize_t const count = contacts.size();
     hsize_t const chunk = std::clamp<hsize_t>(count, 1, h5md::max_rows_per_chunk);
@@ -207,15 +207,15 @@ class Beginning {
   std::string group_;
 };
 
-/// A dataset with numbers for each agent.
+/// A dataset with a number or vector for each agent.
 struct Dataset {
   std::string path;
   Handle handle;
-  std::vector<std::size_t> columns;  ///< of the frame, one for each component; none for the Ids
-  std::uint64_t fill = 0;            ///< of agents that are not there
+  std::vector<std::size_t> columns;  ///< indices in the frame, one per component; empty for Ids
+  std::uint64_t fill = 0;            ///< value of absent agents
 };
 
-/// A chunk on its way into the file.
+/// A chunk to be written into the file.
 struct Chunk {
   Dataset const* dataset = nullptr;
   std::vector<hsize_t> offset;  ///< frame, row and component of its first number
@@ -278,20 +278,20 @@ void H5mdWriter::Trajectory::create(H5mdSettings const& settings, FrameSource co
   look_into(hdf5::open_file(path_, Access::read));
 }
 
-/// The last frame lies behind all the others: where it is whole, nothing is cut off.
+/// Throws if the file is damaged or cut off. The last frame has the last bytes of the file, so reading it suffices.
 void H5mdWriter::Trajectory::require_whole() const {
   H5mdReader const reader(path_);
   if (reader.frame_count() > 0) static_cast<void>(reader.frame(reader.frame_count() - 1));
 }
 
 void H5mdWriter::Trajectory::append() {
-  // These two only read: opened for writing, a file is changed by HDF5 at once, and one that was cut short grows.
+  // The file is first only read, since HDF5 changes a file, even a damaged one, as soon as it is opened for writing.
   require_whole();
   look_into(hdf5::open_file(path_, Access::read));
   try {
     hdf5::open_file(path_, Access::append);
   } catch (hdf5::Failure const&) {
-    // Its writer was killed.
+    // A writer that was killed left its mark in the file.
     hdf5::repair_file(path_);
     hdf5::open_file(path_, Access::append);
   }
@@ -333,7 +333,7 @@ void H5mdWriter::Trajectory::require_columns(FrameSource const& frame) const {
   }
 }
 
-/// The Ids first, and then the columns, as the checksum takes them.
+/// Returns the datasets in the order of the checksum: Ids first, then columns.
 std::vector<Dataset> H5mdWriter::Trajectory::open_datasets(Handle const& file) const {
   std::vector<Dataset> datasets;
   auto const add = [&](std::string const& name, std::vector<std::size_t> const& columns, std::uint64_t fill) {
@@ -345,7 +345,7 @@ std::vector<Dataset> H5mdWriter::Trajectory::open_datasets(Handle const& file) c
   return datasets;
 }
 
-/// Numbers that cannot be deflated grow by less than a hundredth; the indices of the chunks need the rest.
+/// Returns an upper bound of a frame's size in bytes. Deflate lengthens incompressible data by less than 1 %.
 std::size_t H5mdWriter::Trajectory::max_bytes_of_frame(std::size_t agents) const {
   std::size_t const chunks = std::max<std::size_t>((agents + rows_per_chunk_ - 1) / rows_per_chunk_, 1);
   std::size_t width = sizeof(Id);
@@ -354,7 +354,7 @@ std::size_t H5mdWriter::Trajectory::max_bytes_of_frame(std::size_t agents) const
   return bytes + bytes / 100 + room_for_indices;
 }
 
-/// Adds room for a frame, also for one of no agents; returns for how many agents frames have room.
+/// Extends a dataset by one frame; returns for how many agents each frame has room.
 std::size_t H5mdWriter::Trajectory::extend(Dataset const& dataset, std::size_t agents) const {
   std::vector<hsize_t> extent = hdf5::extent_of(dataset.handle);
   extent[0] = frame_count() + 1;
@@ -363,11 +363,11 @@ std::size_t H5mdWriter::Trajectory::extend(Dataset const& dataset, std::size_t a
   return extent[1];
 }
 
-/// Writes the values of all agents, some chunks at a time; returns the checksum.
+/// Writes the values of all agents, some chunks at a time; returns the checksum of the frame.
 std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource const& frame,
                                                  std::span<double const> observables, std::uint64_t state_hash) const {
   std::vector<Dataset> const datasets = open_datasets(file);
-  // A frame that was cut short may have left other numbers where this one has none but the fill value.
+  // If the last frame of the file is incomplete, its values must be overwritten, also by chunks of only fill values.
   bool const was_cut_short = std::ranges::any_of(
       datasets, [&](Dataset const& dataset) { return hdf5::extent_of(dataset.handle)[0] > frame_count(); });
   std::size_t const max_chunks = std::max(min_chunks_in_memory, chunks_per_core * usable_cores());
@@ -455,7 +455,7 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
   put(file, "/parameters/frames/checksum", checksum);
   put_box(file, frame.box());
   put(file, group_ + "/id/time", frame.clock().time);
-  // The frame counts as soon as its step is there, so that goes to the file after all the rest.
+  // The step is written last, since a frame counts as complete as soon as its step exists.
   hdf5::flush(file);
   put(file, group_ + "/id/step", frame.clock().step);
   hdf5::flush(file);
@@ -466,7 +466,7 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
 
 namespace {
 
-/// Calls `work`; what HDF5 cannot do becomes an exception of the kind that fits.
+/// Calls `work`, and turns errors of HDF5 and the file system into an Error or a RunFailure.
 template <class Failure, class Work>
 void guarded(std::filesystem::path const& path, Work const& work) {
   std::string reason;
@@ -486,8 +486,7 @@ void guarded(std::filesystem::path const& path, Work const& work) {
   }
 }
 
-/// After a full disk: takes the mark of the writer off the file, so that every reader opens it, if that is still
-/// possible.
+/// Removes the writer's mark after a full disk, if possible, so that every reader opens the file.
 void leave_readable(std::filesystem::path const& path) {
   try {
     hdf5::repair_file(path);

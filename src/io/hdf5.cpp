@@ -17,10 +17,10 @@ namespace gridlock::hdf5 {
 
 namespace {
 
-/// HDF5 prints its errors by itself, on every thread, unless told not to.
+/// Turns off HDF5's error messages on stderr, in every thread.
 void keep_quiet() {
-  // Where a file could not be closed for a full disk, the end of the program would close it again and crash. All that
-  // is opened here is closed here.
+  // A file that a full disk kept from closing would be closed again by HDF5 at exit, which crashes. Gridlock closes all
+  // handles itself, so this step is switched off.
   [[maybe_unused]] static herr_t const once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -30,32 +30,32 @@ Handle access_list() {
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare the access to a file");
   require(H5Pset_libver_bounds(list.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "choose the format");
   require(H5Pset_fclose_degree(list.id(), H5F_CLOSE_STRONG), "choose how a file is closed");
-  // Readers that lock the file must not keep its writer out: the order of writing is what protects them.
+  // A reader that locks the file would keep its writer out. The order of writing protects readers without locks.
   require(H5Pset_file_locking(list.id(), false, true), "leave the file unlocked");
   return list;
 }
 
-/// A kill may cut a write in two where it crosses a page of memory. Metadata that are written again in their place must
-/// not cross one, or their checksum is lost.
-constexpr hsize_t max_header_bytes = 512;     ///< of what a file begins with
-constexpr hsize_t max_metadata_bytes = 2048;  ///< of what a frame adds: nodes of the indices of its chunks
+/// Alignments of metadata in bytes. A kill may cut a write where it crosses a page of memory, so metadata that HDF5
+/// overwrites must not cross a page, or their checksum is lost.
+constexpr hsize_t max_header_bytes = 512;     ///< for the metadata at the start of a file
+constexpr hsize_t max_metadata_bytes = 2048;  ///< for the metadata of a frame: nodes of its chunk indices
 Handle writer_access_list(hsize_t alignment) {
   Handle list = access_list();
   require(H5Pset_alignment(list.id(), 1, alignment), "choose the alignment");
-  // No other writer is at work whose half-written page a second look would find whole: by itself HDF5 tries 100 times,
-  // and sleeps between them for longer than anybody waits.
+  // There is no second writer whose half-written page would be whole on another attempt. By default HDF5 tries 100
+  // times, with long pauses.
   require(H5Pset_metadata_read_attempts(list.id(), 1), "choose how often to read again");
   return list;
 }
 
-/// Notes which file a link leads to, and keeps HDF5 from following it there.
+/// Stores the name of the file that a link leads to, and keeps HDF5 from following the link.
 herr_t stay_in_file(char const*, char const*, char const* file, char const*, unsigned*, hid_t, void* other_file) {
   *static_cast<std::string*>(other_file) = file;
   return -1;
 }
 
-/// Calls open(access list) for an object of the kind that `list_class` is about, and refuses links to other files: a
-/// file from a stranger must not show what else there is on this machine.
+/// Calls open(access list) for an object, with an access list of class `list_class`. Throws if the path contains a link
+/// to another file, since a file of unknown origin must not give access to other files of this machine.
 template <class Open>
 Handle opened_in_file(hid_t list_class, std::string const& path, Handle::Close close, Open open) {
   keep_quiet();
@@ -67,8 +67,8 @@ Handle opened_in_file(hid_t list_class, std::string const& path, Handle::Close c
   return {id, close, "find " + path};
 }
 
-/// Refuses a dataset whose numbers are in other files, or pass through filters that this program never uses: HDF5 would
-/// look for libraries with them.
+/// Throws if a dataset has its numbers in other files, or is packed by filters that Gridlock never uses, since HDF5
+/// would search for libraries with these filters.
 void require_own_numbers(Handle const& dataset, std::string const& path) {
   Handle const list(H5Dget_create_plist(dataset.id()), H5Pclose, "look at " + path);
   if (H5Pget_layout(list.id()) == H5D_VIRTUAL || H5Pget_external_count(list.id()) != 0) {
@@ -80,7 +80,7 @@ void require_own_numbers(Handle const& dataset, std::string const& path) {
     std::size_t no_parameters = 0;
     H5Z_filter_t const filter =
         H5Pget_filter2(list.id(), static_cast<unsigned>(k), &flags, &no_parameters, nullptr, 0, nullptr, nullptr);
-    // Those that are part of HDF5 itself, and load nothing.
+    // These filters are part of HDF5 itself and load no library.
     constexpr std::array own{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE, H5Z_FILTER_FLETCHER32, H5Z_FILTER_NBIT,
                              H5Z_FILTER_SCALEOFFSET};
     if (std::ranges::find(own, filter) != own.end()) continue;
@@ -111,7 +111,7 @@ std::size_t size_of(Part const& part) {
 
 void fail(std::string const& what) {
   std::string reason;
-  // The innermost entry of the stack of errors names the cause.
+  // The entry at depth 0 of the error stack is the cause.
   auto const take_first = [](unsigned depth, H5E_error2_t const* error, void* text) -> herr_t {
     if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
     return 0;
@@ -130,7 +130,7 @@ void reserve(std::filesystem::path const& path, std::size_t bytes) {
   int error = ::fstat(file, &status) == 0 ? 0 : errno;
   if (error == 0 && ::fallocate(file, 0, status.st_size, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP) {
     error = errno;
-    // Part of the room may be there.
+    // A failed fallocate() may have lengthened the file.
     if (::ftruncate(file, status.st_size) != 0) error = errno;
   }
   ::close(file);
@@ -175,13 +175,13 @@ Handle open_file(std::filesystem::path const& path, Access access) {
     return {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "open the file"};
   }
   Handle const list = access_list();
-  // A torn read of a page that is just being written is tried again, each time after twice as long, 1 ms in all; the
-  // 100 times of HDF5 itself would never end on a damaged file.
+  // A torn read of a page that is being written is tried again after a pause that doubles each time, 1 ms in all. The
+  // default of 100 attempts would take for ever on a damaged file.
   require(H5Pset_metadata_read_attempts(list.id(), 20), "choose how often to read again");
-  // Where a full disk stopped the writer, the file may be shorter than it says; what it does hold is whole.
+  // After a full disk the file may be shorter than its header declares; the data before the end are complete.
   bool const yes = true;
   require(H5Pset(list.id(), "skip_eof_check", &yes), "open the file");
-  // Allows for a writer beside us, or for one that was killed; other programs' older files know no such thing.
+  // SWMR read mode allows a writer, living or killed. Older files of other programs allow only plain read mode.
   hid_t const beside_writer = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, list.id());
   if (beside_writer >= 0) return {beside_writer, H5Fclose, "open the file"};
   if (H5Fis_hdf5(path.c_str()) == 0) throw Failure("it is no HDF5 file");
@@ -190,8 +190,8 @@ Handle open_file(std::filesystem::path const& path, Access access) {
 
 void repair_file(std::filesystem::path const& path) {
   Handle const list = writer_access_list(max_metadata_bytes);
-  // As h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written. In the mode
-  // of the writer, so that a kill in here leaves a file that readers open too.
+  // Clears the mark of the killed writer and puts new data behind all old data, as h5clear does. SWMR mode keeps the
+  // file readable if this process is killed too.
   bool const yes = true;
   require(H5Pset(list.id(), "clear_status_flags", &yes), "repair the file");
   require(H5Pset(list.id(), "skip_eof_check", &yes), "repair the file");
@@ -235,13 +235,13 @@ std::vector<std::string> names_in(Handle const& group) {
 
 namespace {
 
-/// Whether there is something at an absolute path. HDF5 asks for one name at a time.
+/// Returns whether an absolute path exists. HDF5 requires a check for each part of the path.
 bool is_there(Handle const& file, std::string const& path) {
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
     std::string const part = path.substr(0, end);
     if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
     if (end == std::string::npos) return true;
-    // A link to another file must not be followed.
+    // find_group() refuses links to other files, which H5Lexists() would follow.
     if (!find_group(file, part)) return false;
   }
 }

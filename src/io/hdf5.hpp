@@ -12,19 +12,19 @@
 #include <type_traits>
 #include <vector>
 
-/// The functions of the C library HDF5 that Gridlock needs, with owners for its handles and exceptions for its errors.
+/// Functions of the C library HDF5 that Gridlock uses, with owners for handles and exceptions for errors.
 namespace gridlock::hdf5 {
 
-/// A call of HDF5 that failed, in its own words.
+/// A failed call of HDF5, with the message of HDF5.
 class Failure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Throws Failure("cannot <what>: <reason of HDF5>").
+/// Throws Failure("cannot <what>: <reason given by HDF5>").
 [[noreturn]] void fail(std::string const& what);
 
-/// A result of HDF5, negative where the call failed.
+/// Returns a result of HDF5; throws Failure if it is negative, which means that the call failed.
 template <class Result>
 Result require(Result result, std::string const& what) {
   if (result < 0) fail(what);
@@ -49,7 +49,7 @@ class Handle {
   }
 
   [[nodiscard]] hid_t id() const { return id_; }
-  /// Closes now, and throws where that fails, as it does where what was left to write cannot be.
+  /// Closes the id now, and throws if HDF5 cannot write the data that it still holds.
   void close(std::string const& what) {
     hid_t const id = id_;
     id_ = -1;
@@ -66,7 +66,7 @@ class Handle {
   Close close_ = nullptr;
 };
 
-/// The type of HDF5 that holds a number of C++.
+/// Returns the HDF5 type of a C++ number.
 template <class Number>
 hid_t native() {
   if constexpr (std::is_same_v<Number, double>) return H5T_NATIVE_DOUBLE;
@@ -76,38 +76,37 @@ hid_t native() {
   if constexpr (std::is_same_v<Number, std::int64_t>) return H5T_NATIVE_INT64;
 }
 
-/// How a file is opened.
+/// The purpose for which a file is opened.
 enum class Access {
-  read,    ///< while it is written or after a kill too
-  append,  ///< in the order that keeps the file readable whenever the process ends
+  read,    ///< reading, also beside a writer or after a kill
+  append,  ///< writing in an order that keeps the file readable at any moment
 };
 
-/// Makes room behind the end of a file, which begins to exist with it, for so many bytes, which the next H5Fclose gives
-/// back where they are not used: on a full disk this fails before HDF5 has begun to write, which does not recover from
-/// it.
+/// Reserves `bytes` behind the end of a file, which is created if missing; the next H5Fclose releases unused bytes. On
+/// a full disk this throws before HDF5 begins to write, since HDF5 does not recover from a failed write.
 void reserve(std::filesystem::path const& path, std::size_t bytes);
-/// The bytes of a file. Throws Failure for what is no regular file, which HDF5 would wait for, and for an empty one.
+/// Returns the size of a file in bytes. Throws Failure if it is empty or not a regular file, for which HDF5 would wait.
 std::uint64_t size_of_file(std::filesystem::path const& path);
-/// How much of a file is left, in words, where it is shorter than its head says; nothing otherwise. A cut is the usual
-/// reason, and not the only one: where a writer is at work or was stopped by a full disk, no frame has to be missing.
+/// Returns a sentence part about a file that is shorter than its header declares; empty otherwise. The file may be cut
+/// off, or a writer is at work or was stopped by a full disk; then all frames may be complete.
 std::string shortness_of(std::filesystem::path const& path);
 Handle create_file(std::filesystem::path const& path);
 Handle open_file(std::filesystem::path const& path, Access access);
-/// Makes a file whose writer was killed fit to be opened again. What is damaged must be refused before: this writes.
+/// Makes a file of a killed writer ready to be opened again. Check for damage first, since this function writes.
 void repair_file(std::filesystem::path const& path);
 void flush(Handle const& file);
 
 Handle create_group(Handle const& parent, std::string const& path);
-/// Refuses a link to another file.
+/// Opens a group. Errors: Failure if a link leads to another file.
 Handle open_group(Handle const& parent, std::string const& path);
-/// The names in a group, in the order they were created, or that of the alphabet where the file does not know it.
+/// Returns the names in a group in order of creation, or in alphabetical order if the file does not store that order.
 std::vector<std::string> names_in(Handle const& group);
-/// The group or dataset at a path; nothing where there is none, or something of another kind. Refuses links to other
-/// files.
+/// Returns the group or dataset at a path; nothing if there is none or an object of another kind. Errors: Failure if a
+/// link leads to another file.
 std::optional<Handle> find_group(Handle const& file, std::string const& path);
 std::optional<Handle> find_dataset(Handle const& file, std::string const& path);
 bool has(Handle const& parent, std::string const& path);
-/// A second name for the same thing.
+/// Gives the object at `from` a second name, `to`.
 void link(Handle const& file, std::string const& from, std::string const& to);
 
 void write_text(Handle const& file, std::string const& path, std::string const& text);
@@ -116,16 +115,16 @@ std::string read_text(Handle const& file, std::string const& path);
 void set_attribute(Handle const& object, std::string const& name, std::string const& text);
 void set_attribute(Handle const& object, std::string const& name, std::vector<std::string> const& texts);
 void set_attribute(Handle const& object, std::string const& name, std::span<int const> numbers);
-/// An attribute that points to an object of the file.
+/// Sets an attribute to a reference to an object of the file.
 void set_reference(Handle const& object, std::string const& name, Handle const& file, std::string const& path);
 bool has_attribute(Handle const& object, std::string const& name);
 std::vector<std::string> read_texts(Handle const& object, std::string const& name);
-/// The numbers of an attribute, whatever their type; none where there is none, or no numbers.
+/// Returns the numbers of an attribute of any numeric type; none if the attribute is missing or not numeric.
 std::vector<double> read_numbers(Handle const& object, std::string const& name);
-/// The text of an attribute, empty where there is none.
+/// Returns the text of an attribute; empty if it is missing.
 std::string read_text_attribute(Handle const& object, std::string const& name);
 
-/// Refuses a link to another file, numbers in other files and filters that are not written here.
+/// Opens a dataset. Errors: Failure for links to other files, numbers in other files, and filters Gridlock never uses.
 Handle open_dataset(Handle const& parent, std::string const& path);
 std::vector<hsize_t> extent_of(Handle const& dataset);
 
@@ -135,26 +134,26 @@ struct Part {
   std::vector<hsize_t> count;
 };
 
-/// Reads numbers of exactly the type stored.
+/// Reads numbers of a dataset whose type is exactly Number.
 template <class Number>
 std::vector<Number> read(Handle const& dataset, Part const& part);
 
-/// The kinds of numbers that a dataset may hold.
+/// The kind of numbers in a dataset.
 enum class NumberKind { real, whole, positive_whole, other };
-/// Names of numbers are numbers too.
+/// Returns the kind of numbers; named values (enumerations) count as numbers.
 NumberKind kind_of_numbers(Handle const& dataset);
-/// Bytes of each number.
+/// Returns the bytes of each number.
 std::size_t width_of_numbers(Handle const& dataset);
-/// Reads numbers of any type as those asked for: HDF5 takes the nearest where one does not fit. An empty part is a
-/// single number.
+/// Reads numbers of any type and converts them; a value outside the range of Number becomes the nearest that fits. An
+/// empty part reads a single number.
 template <class Number>
 std::vector<Number> read_as(Handle const& dataset, Part const& part);
 
-/// Writes numbers into a part of a dataset that is there already.
+/// Writes numbers into a part of an existing dataset.
 template <class Number>
 void write(Handle const& dataset, Part const& part, std::span<Number const> numbers);
 
-/// Whether a dataset holds numbers of this type.
+/// Returns whether a dataset holds numbers of the type Number.
 template <class Number>
 bool holds(Handle const& dataset);
 

@@ -101,7 +101,7 @@ bool has_attribute(Handle const& object, std::string const& name) { return H5Aex
 
 namespace {
 
-/// As h5py writes texts: HDF5 keeps them apart, and makes the memory for them.
+/// Reads texts of variable length, as h5py writes them. HDF5 allocates the memory of such texts, so it is freed here.
 std::vector<std::string> read_texts_of_any_length(Handle const& attribute, Handle const& type, Handle const& space,
                                                   std::string const& name) {
   hssize_t const count = H5Sget_simple_extent_npoints(space.id());

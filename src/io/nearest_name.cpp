@@ -37,7 +37,7 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view word, std::span<std::string const> names) {
-  // A longer word is no name with a slip of the finger, and the distance costs the product of the lengths.
+  // A longer word is not a misspelled name, and the time for a distance grows with the product of the lengths.
   constexpr std::size_t longest_word = 64;
   if (word.size() > longest_word) return "";
   std::string const wanted = folded(word);
@@ -45,7 +45,7 @@ std::string nearest_name(std::string_view word, std::span<std::string const> nam
   std::size_t least = std::max<std::size_t>(1, (wanted.size() + 1) / 3) + 1;
   for (std::string const& name : names) {
     std::size_t const d = distance(wanted, folded(name));
-    // A word of one or two letters is one letter away from every other.
+    // A word of one letter is at distance 1 from every letter, so the distance must be less than the word's length.
     if (d < least && d < wanted.size()) {
       least = d;
       best = name;

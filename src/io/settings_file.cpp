@@ -17,10 +17,10 @@ namespace {
 
 using Kind = TomlValue::Kind;
 
-/// A file of settings is written by hand; more than this is something else under the wrong name.
+/// Largest settings file in bytes. Settings are written by hand, so a larger file is probably another kind of file.
 constexpr std::uint64_t largest_settings_file = std::uint64_t{1} << 20;
 
-/// The parts of a dotted key, without the places in lists: "disks.species[1].mass" → disks, species, mass with 1.
+/// A part of a dotted key: "disks.species[1].mass" has the parts disks, species with index 1, and mass.
 struct KeyPart {
   std::string name;
   std::optional<std::size_t> place;
@@ -35,7 +35,7 @@ std::vector<KeyPart> parts_of(std::string_view key) {
     std::size_t const bracket = word.find('[');
     if (bracket != std::string_view::npos && word.back() == ']') {
       part.place = parse_number<std::size_t>(word.substr(bracket + 1, word.size() - bracket - 2));
-      // A text that is no place in a list stays part of the name, which no setting has.
+      // Brackets without an index stay part of the name, so that the key is reported as unknown.
       if (part.place) part.name = word.substr(0, bracket);
     }
     parts.push_back(std::move(part));
@@ -44,7 +44,7 @@ std::vector<KeyPart> parts_of(std::string_view key) {
   }
 }
 
-/// The value at a dotted key, or as far along it as anything is given.
+/// The value at a dotted key, or at the longest part of the key that exists.
 struct Found {
   TomlValue const* value = nullptr;
   bool is_whole_key = false;
@@ -77,8 +77,8 @@ bool is_usable_key(std::string_view key) {
 
 constexpr std::string_view lists_of_sweep = "sweep.";
 
-/// A key below [sweep] that names a place in a list, such as `sweep.protocol[0].step`; in a file it is in quotes below
-/// [sweep], and may be here.
+/// Returns whether a key below [sweep] contains an index, as `sweep.protocol[0].step`. A file needs quotes around the
+/// part after `sweep`; --set works without them.
 bool is_place_in_sweep(std::string_view key) {
   return key.starts_with(lists_of_sweep) && key.find('[') != std::string_view::npos;
 }
@@ -96,7 +96,7 @@ void set_list_of_place(TomlValue& root, std::string_view key, TomlValue value, S
   sweep->put(name, std::move(value));
 }
 
-/// The table at a place of a list.
+/// Returns the table at an index of a list. Errors: Error if the list has no table there.
 TomlValue& table_at(TomlValue* list, std::string_view key, std::size_t place, SettingLocation const& where) {
   std::size_t const size = list == nullptr || list->kind != Kind::array ? 0 : list->items.size();
   if (place < size && list->items[place].is_table()) return list->items[place];
@@ -106,7 +106,7 @@ TomlValue& table_at(TomlValue* list, std::string_view key, std::size_t place, Se
       "set a table that the settings file has"));
 }
 
-/// Collects the lists of a table and of the tables that dotted keys make within it.
+/// Collects the lists in a table and in the tables that its dotted keys form.
 void collect_lists(TomlValue const& table, std::string const& prefix, std::string const& outer,
                    std::vector<SettingList>& lists, std::vector<Problem>& problems) {
   for (std::size_t i = 0; i < table.items.size(); ++i) {
@@ -143,7 +143,7 @@ void collect_lists(TomlValue const& table, std::string const& prefix, std::strin
 
 struct SettingsFile::Content {
   TomlValue root;
-  std::string name;  ///< of the file, for errors; empty where there is none
+  std::string name;  ///< of the file, for errors; empty if there is no file
   std::filesystem::path directory = ".";
 };
 
@@ -249,7 +249,7 @@ std::vector<SettingList> SettingsFile::take_lists(std::string_view table) {
   std::ranges::stable_sort(problems, {},
                            [](Problem const& problem) { return std::pair(problem.line, problem.column); });
   if (!problems.empty()) throw Error(std::move(problems));
-  // TOML tables have no order; the order of the lines is what the user sees.
+  // TOML tables are unordered, so the lists are sorted by line, the order that the user sees.
   std::ranges::stable_sort(lists, {}, [](SettingList const& list) {
     return std::pair(list.location.line == 0, std::pair(list.location.line, list.location.column));
   });

@@ -24,7 +24,7 @@ std::string listed(std::span<std::string const> names) { return fmt::format("{}"
 
 constexpr char const* whole_numbers_in_words = "a whole number from 0 to 18446744073709551615 (2⁶⁴ − 1)";
 
-/// Whole numbers of TOML end at 2⁶³ − 1; seeds go on to 2⁶⁴ − 1 and are written as text from there on.
+/// Returns a whole number. TOML's integers end at 2⁶³ − 1; larger seeds, up to 2⁶⁴ − 1, are written as text.
 std::optional<std::uint64_t> whole_number_of(TomlValue const& value) {
   if (value.kind == Kind::integer && value.integer >= 0) return static_cast<std::uint64_t>(value.integer);
   if (value.kind != Kind::text) return std::nullopt;
@@ -33,7 +33,7 @@ std::optional<std::uint64_t> whole_number_of(TomlValue const& value) {
   return number && *number > max_of_toml ? number : std::nullopt;
 }
 
-/// Whether a text is a whole number that no integer of the program holds, and TOML therefore takes for no number.
+/// Returns whether a text consists of digits but exceeds 64 bits, so that TOML did not read it as a number.
 bool has_too_many_digits(TomlValue const& value) {
   std::string_view digits = value.text;
   if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
@@ -47,7 +47,7 @@ bool is_number_with_comma(std::string text) {
   return parse_number<double>(text).has_value();
 }
 
-/// The hint for a text where a number must stand; empty where the text is far from a number.
+/// Returns a hint for a text in place of a number; empty if the text does not resemble a number.
 std::string number_instead_of(TomlValue const& value) {
   if (value.kind != Kind::text) return "";
   auto const number = parse_number<double>(value.text);
@@ -57,7 +57,7 @@ std::string number_instead_of(TomlValue const& value) {
 }
 
 std::string whole_number_instead_of(TomlValue const& value) {
-  // "007" too is the text that --set was given.
+  // A value of --set that is not TOML, as "007", arrives as text.
   bool const is_typed = value.kind == Kind::text && !value.as_typed.empty();
   double const number = value.kind == Kind::number ? value.number
                         : is_typed                 ? parse_number<double>(value.text).value_or(0.5)
@@ -66,12 +66,12 @@ std::string whole_number_instead_of(TomlValue const& value) {
   return is_whole ? fmt::format("write {}", static_cast<std::uint64_t>(number)) : number_instead_of(value);
 }
 
-/// Where the user reads what the setting may be; entries of a list are explained by the list.
+/// Returns a hint with the command that explains a setting; entries of a list are explained with their list.
 std::string explanation_of(std::string const& key) {
   return fmt::format("gridlock explain {} says what it can be", key.substr(0, key.find('[')));
 }
 
-/// The text after --set: the user's own characters, also where they happen to be a number or a date.
+/// Returns a value as text. For --set this is the text as typed, also if it resembles a number or a date.
 std::optional<std::string> as_text(TomlValue const& value) {
   if (value.kind == Kind::text) return value.text;
   if (!value.as_typed.empty() && value.kind != Kind::array && value.kind != Kind::table) return value.as_typed;
@@ -97,7 +97,7 @@ SettingsReader::SettingsReader(TomlValue const& root) : frames_{{.table = &root,
 
 std::string SettingsReader::path_of(std::string_view key) const { return dotted(frames_.back().path, key); }
 
-/// The value of a setting of the present table, marked as known; null where it is not given.
+/// Returns the value of a setting in the current table and marks the key as known; null if the setting is not given.
 TomlValue const* SettingsReader::take(std::string_view key) {
   Frame const& frame = frames_.back();
   auto& names = names_[frame.kind];
@@ -345,7 +345,7 @@ Problem SettingsReader::unknown(TomlValue const& member, std::string const& name
     what = "a table [sweep] lists values for many runs";
     hint = "use gridlock sweep, or take [sweep] out";
   } else if (!homes.empty() && !is_table) {
-    // A name that another table has is no slip of the finger.
+    // A name that exists in another table is correctly spelled, so the hint names that table.
     hint = fmt::format("{} belongs in {}", name, listed(homes));
     if (!frame.path.empty()) {
       hint +=

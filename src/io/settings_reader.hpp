@@ -11,7 +11,7 @@
 
 namespace gridlock {
 
-/// Gives every visited setting the value it has in a tree of TOML, and collects what is wrong instead of stopping.
+/// Gives every visited setting its value from a tree of TOML; collects problems instead of stopping at the first.
 class SettingsReader final : public SettingVisitor {
  public:
   explicit SettingsReader(TomlValue const& root);
@@ -29,15 +29,15 @@ class SettingsReader final : public SettingVisitor {
   void visit_tables(SettingInfo const& info, std::size_t size, std::function<void(std::size_t)> const& resize,
                     std::function<void(std::size_t, SettingVisitor&)> const& describe_one) override;
 
-  /// Everything wrong, with the keys nobody visited, in the order of the file and then of --set.
+  /// Returns all problems, also unknown keys, in the order of the file and then of --set.
   [[nodiscard]] std::vector<Problem> problems() const;
 
  private:
-  /// A table being visited.
+  /// A table that is being visited.
   struct Frame {
-    TomlValue const* table = nullptr;  ///< null where the file does not have it
+    TomlValue const* table = nullptr;  ///< null if the file does not have the table
     std::string path;                  ///< "disks.species[1]"; empty for the root
-    std::string kind;                  ///< "disks.species[]": the same for every entry of a list
+    std::string kind;                  ///< "disks.species[]", equal for all entries of a list
   };
 
   TomlValue const* take(std::string_view key);
@@ -53,13 +53,13 @@ class SettingsReader final : public SettingVisitor {
 
   std::vector<Frame> frames_;
   std::set<TomlValue const*> taken_;
-  std::map<std::string, std::vector<std::string>> names_;  ///< of what was visited, by the kind of its table
-  std::map<std::string, std::string> renamed_;             ///< from a former name to the present one, both dotted
-  std::set<std::string> tables_;                           ///< the kinds of tables entered
+  std::map<std::string, std::vector<std::string>> names_;  ///< names of visited settings, by kind of table
+  std::map<std::string, std::string> renamed_;             ///< from former to present dotted keys
+  std::set<std::string> tables_;                           ///< kinds of all tables that were entered
   std::vector<Problem> problems_;
 };
 
-/// "at least 0 and below 1" for a setting with bounds; empty for one without.
+/// Returns the bounds of a setting in words, as "at least 0 and below 1"; empty if it has no bounds.
 std::string bounds_in_words(SettingInfo const& info);
 
 }  // namespace gridlock

@@ -14,7 +14,7 @@ namespace gridlock {
 
 namespace {
 
-/// A whole number beyond TOML's 2⁶³ − 1 is written as text, which read_into() takes for one.
+/// Returns a whole number as TOML; above TOML's limit 2⁶³ − 1 in quotes, which the reader accepts.
 std::string count_text(std::uint64_t count) {
   bool const fits = count <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   return fits ? fmt::format("{}", count) : fmt::format("\"{}\"", count);
@@ -29,7 +29,7 @@ std::string list_text(std::vector<double> const& numbers) {
   return text + "]";
 }
 
-/// Visits values as text: the type of each in words, and the value as TOML (empty for one left out).
+/// Visits settings as text: their type in words and their value as TOML, empty if a setting has no value.
 class ValueVisitor : public SettingVisitor {
  public:
   void visit(SettingInfo const& info, double& value) final { take(info, "number", double_text(value)); }
@@ -123,7 +123,7 @@ class TomlWriter final : public ValueVisitor {
   void leave() override { open_.pop_back(); }
   void visit_tables(SettingInfo const& info, std::size_t size, std::function<void(std::size_t)> const&,
                     std::function<void(std::size_t, SettingVisitor&)> const& describe_one) override {
-    // Inline, since a [[header]] would end the table whose other settings may still follow.
+    // The list is written inline, since a [[header]] would end the current table before its remaining settings.
     take(info, "", InlineWriter::list(size, describe_one));
   }
 
@@ -144,12 +144,12 @@ class TomlWriter final : public ValueVisitor {
   std::vector<std::size_t> open_{0};
 };
 
-/// All that is known of one setting, or of one table.
+/// The documentation of one setting or table.
 struct Entry {
   std::string path;
-  std::string table;  ///< path of the table it is in
+  std::string table;  ///< path of the enclosing table
   std::string name;
-  std::string former_path = {};  ///< in earlier versions; empty where it had the same
+  std::string former_path = {};  ///< in earlier versions; empty if unchanged
   bool is_table = false;
   bool is_list_of_tables = false;
   std::string documentation;
@@ -170,7 +170,7 @@ struct Entry {
   }
 };
 
-/// Lists every setting and table, in the order they are described.
+/// Collects the entries of all settings and tables, in the order of the description.
 class Catalogue final : public ValueVisitor {
  public:
   explicit Catalogue(Describe const& describe) { describe(*this); }
@@ -195,7 +195,7 @@ class Catalogue final : public ValueVisitor {
     entry.is_table = true;
     entry.is_list_of_tables = true;
     table_.push_back(entry.path);
-    // The members of an entry are known from an entry alone, so the list is lent one where it has none.
+    // Only an entry of the list describes its settings, so an empty list gets one entry for a moment.
     if (size == 0) resize(1);
     describe_one(0, *this);
     if (size == 0) resize(0);
@@ -240,7 +240,7 @@ std::string explained(Entry const& entry) {
   return text + fmt::format("    {}; default: {}\n", what, entry.default_text());
 }
 
-/// The setting or table that a key may be a slip of; empty where none is near.
+/// Returns the path of the setting or table that a misspelled key most likely means; empty if none is close.
 std::string nearest_entry(std::string_view key, std::vector<Entry> const& entries) {
   std::vector<std::string> paths, names;
   for (Entry const& entry : entries) {
@@ -249,7 +249,7 @@ std::string nearest_entry(std::string_view key, std::vector<Entry> const& entrie
   }
   std::string nearest = nearest_name(key, paths);
   if (nearest.empty()) {
-    // "disks.packing" and "packing" are near in their last part only.
+    // "disks.packing" and "packing" resemble each other only in their last part.
     std::string_view const last = key.substr(key.rfind('.') + 1);
     std::string const name = nearest_name(last, names);
     if (!name.empty()) nearest = entries[static_cast<std::size_t>(std::ranges::find(names, name) - names.begin())].path;

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t max_problems = 10;
 
-/// Whether a name is written without quotes in the first line and is read back as it is: the reader drops spaces at its
-/// ends.
+/// Returns whether a name of a column can be written without quotes and is read back unchanged. The reader removes
+/// spaces at both ends.
 bool is_usable_name(std::string_view name) {
   return !name.empty() && name.front() != ' ' && name.back() != ' ' &&
          name.find_first_of(",\"\r\n#") == std::string_view::npos;
@@ -38,14 +38,14 @@ std::string to_text(std::string const& word) {
   return text + '"';
 }
 
-/// An entry as it is in the file.
+/// A field of a CSV file.
 struct Field {
   std::string text;
   bool is_quoted = false;
   int column = 0;
 };
 
-/// Takes the next entry off the line; nothing where a quote stays open or something follows the closing one.
+/// Reads the next field of a line; returns nothing if a quote is not closed or is followed by more text.
 std::optional<Field> take_field(std::string_view line, std::size_t& at) {
   Field entry{.column = static_cast<int>(at) + 1};
   if (at < line.size() && line[at] == '"') {
@@ -69,7 +69,7 @@ std::optional<Field> take_field(std::string_view line, std::size_t& at) {
   return entry;
 }
 
-/// Reads comma-separated values line by line, collecting what is wrong.
+/// Reads comma-separated values line by line and collects the problems.
 class CsvReader {
  public:
   CsvReader(std::string_view text, std::string name) : text_(text), file_(std::move(name)) {}
@@ -81,7 +81,7 @@ class CsvReader {
       if (!split(entries)) continue;
       if (names_.empty()) {
         take_names(entries);
-        // Without names nothing below them can be understood.
+        // Without names of columns the rows cannot be read.
         if (!problems_.empty()) break;
       } else {
         take_row(std::move(entries));

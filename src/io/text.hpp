@@ -12,24 +12,24 @@
 
 namespace gridlock {
 
-/// The shortest decimal text that reads back as the same bits, and as a floating-point number: "1.0", never "1".
+/// Returns the shortest decimal text that reads back as the same bits, as a floating-point number: "1.0", not "1".
 inline std::string double_text(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_not_of("-0123456789") == std::string::npos) text += ".0";
   return text;
 }
 
-/// A text without the blanks around it.
+/// Returns a text without spaces and tabs at both ends.
 inline std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   return text;
 }
 
-/// The number that a whole word denotes; nothing where it is no number or beyond the range of the type.
+/// Returns the number that a whole word denotes; nothing if it is not a number or outside the range of the type.
 template <class Number>
 std::optional<Number> parse_number(std::string_view word) {
-  // from_chars knows no leading plus; "+-1" must not slip through by dropping it.
+  // from_chars accepts no leading plus, so it is removed; "+-1" must remain invalid.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   Number value{};
   auto const [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -37,7 +37,7 @@ std::optional<Number> parse_number(std::string_view word) {
   return value;
 }
 
-/// At most `longest` bytes of a text as one_line(), cut between characters of UTF-8.
+/// Returns at most `longest` bytes of a text as one_line(), cut between characters of UTF-8.
 inline std::string cut(std::string_view text, std::size_t longest) {
   std::size_t end = std::min(text.size(), longest);
   while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
@@ -45,15 +45,15 @@ inline std::string cut(std::string_view text, std::size_t longest) {
   return end < text.size() ? result + "…" : result;
 }
 
-/// A word of the user's in an error message.
+/// Returns a word of the user in quotes, for error messages.
 inline std::string in_quotes(std::string_view word) { return '"' + cut(word, 60) + '"'; }
 
-/// The key of a setting in a table: "disks.count"; the key alone in no table.
+/// Returns the dotted key of a setting in a table, as "disks.count"; the key alone if `table` is empty.
 inline std::string dotted(std::string_view table, std::string_view key) {
   return table.empty() ? std::string(key) : fmt::format("{}.{}", table, key);
 }
 
-/// A line of the user's file in an error message: without the blanks around it, and up to where it is no text.
+/// Returns a line of the user's file for error messages, without spaces at both ends, up to the first non-text byte.
 inline std::string shown_line(std::string_view line) {
   constexpr std::string_view blanks = " \t\r";
   std::size_t const begin = line.find_first_not_of(blanks);

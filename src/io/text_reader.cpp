@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-/// The bytes of a text one after the other.
+/// Returns a function that reads the bytes of a text one after the other.
 ReadBytes bytes_of(std::string_view text) {
   return [text](std::span<char> into) mutable {
     std::size_t const count = text.copy(into.data(), into.size());
@@ -35,7 +35,7 @@ TextReader::TextReader(std::string_view text, std::string name)
 void TextReader::open_file() {
   auto const file = std::make_shared<FileReader>(path_);
   can_begin_again_ = file->is_regular();
-  // The first bytes of a file say what it is.
+  // The first bytes of a file determine its format.
   std::string first(bytes_of_format, '\0');
   std::size_t filled = 0;
   while (filled < first.size()) {
@@ -45,7 +45,7 @@ void TextReader::open_file() {
   }
   first.resize(filled);
   if (auto const format = recognize_format(std::string_view(first))) {
-    // HDF5 jumps to and fro in a file.
+    // HDF5 reads positions in any order, which a pipe does not allow.
     if (format->id != "hdf5" || !file->is_regular()) throw wrong_format(*format, name_, "extended XYZ");
     packed_.reset();
     TrajectoryText trajectory = text_of_trajectory(path_);

@@ -13,41 +13,40 @@
 
 namespace gridlock {
 
-/// A text that is read piece by piece: of a file as it is, of one that gzip packed, of a trajectory in H5MD as extended
-/// XYZ, or one that is in memory.
+/// Reads text piece by piece: from memory, a plain file, a file packed by gzip, or a trajectory in H5MD, which is
+/// converted to extended XYZ.
 class TextReader {
  public:
-  /// Errors: Error where the file cannot be read, and where its first bytes are those of a format that is no text of
-  /// agents.
+  /// Errors: Error if the file is unreadable, or if its first bytes show a format without text of agents.
   explicit TextReader(std::filesystem::path path);
-  /// The text must outlive it. `name` names it in errors.
+  /// Reads a text in memory, which must outlive the reader. `name` is its name in error messages.
   TextReader(std::string_view text, std::string name);
 
-  /// The name of the text in errors.
+  /// Returns the name of the text in error messages.
   [[nodiscard]] std::string const& name() const { return name_; }
-  /// How many bytes it has in about, as far as that is known beforehand.
+  /// Returns an estimate of the size of the text in bytes.
   [[nodiscard]] std::uint64_t likely_size() const { return likely_size_; }
 
-  /// Whether the file itself has the lines, so that errors may quote them.
+  /// Returns whether the file itself consists of these lines, so that errors may quote them.
   [[nodiscard]] bool is_of_text() const { return is_of_text_; }
 
-  /// Names of what a trajectory of another program has besides, and its text has not.
+  /// Returns the names of data that another program's trajectory has and the converted text omits.
   [[nodiscard]] std::vector<std::string> const& left_out() const { return left_out_; }
 
-  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error where the file
-  /// cannot be read, or where what gzip packed is damaged.
+  /// Fills the beginning of `into`; returns the number of bytes, 0 at the end. Errors: Error if the file is unreadable
+  /// or its gzip data are damaged.
   std::size_t read(std::span<char> into);
-  /// Begins again; false where that cannot be, as with a pipe.
+  /// Returns to the beginning; returns false if that is impossible, as with a pipe.
   bool begin_again();
-  /// Reads what is left where it is packed: the checksum comes last. Errors: Error where it is damaged.
+  /// Reads the rest of a packed file up to its checksum. Errors: Error if the file is damaged.
   void require_undamaged();
 
  private:
   void open_file();
 
   std::string name_;
-  std::filesystem::path path_;  ///< empty where it is in memory
-  std::string_view text_;       ///< where it is in memory
+  std::filesystem::path path_;  ///< empty for a text in memory
+  std::string_view text_;       ///< empty for a file
   bool can_begin_again_ = true;
   bool is_of_text_ = true;
   std::vector<std::string> left_out_;

@@ -16,11 +16,11 @@ namespace {
 
 using Kind = TomlValue::Kind;
 
-/// No setting lies deeper than this; the bounds keep what is no file of settings from overflowing the stack.
+/// Maximum depth of nested values. No setting is nested as deeply, and a deeper file could overflow the stack.
 constexpr int deepest_value = 32;
 constexpr int max_dots = 64;
 
-/// The lines of a text, for quoting them in errors.
+/// The lines of a text, to quote them in errors.
 class SourceLines {
  public:
   SourceLines(std::string_view text, std::string file) : file_(std::move(file)) {
@@ -50,7 +50,7 @@ TomlValue convert_table(toml::table const& table, SourceLines const& lines, int 
   for (auto const& [key, member] : table) {
     TomlValue item = convert(member, lines, depth + 1);
     item.key_location = lines.at(key.source().begin);
-    // The table of a dotted key has no place of its own.
+    // toml++ stores no position for a table that a dotted key forms.
     if (item.location.line == 0) item.location = item.key_location;
     value.names.emplace_back(key.str());
     value.items.push_back(std::move(item));
@@ -106,8 +106,8 @@ TomlValue convert(toml::node const& node, SourceLines const& lines, int depth) {
   return value;
 }
 
-/// Whether a key of very many dotted parts is in the text. Each part is a table inside the one before, and taking
-/// thousands of them apart again overflows the stack.
+/// Returns whether a key has more than max_dots dotted parts. Each part becomes a nested table, and the destruction of
+/// thousands of nested tables overflows the stack.
 bool has_bottomless_key(std::string_view text) {
   int dots = 0;
   bool is_comment = false;
@@ -127,7 +127,7 @@ bool has_bottomless_key(std::string_view text) {
   return false;
 }
 
-/// The problem of the value of a line that is no TOML.
+/// Returns a hint for a line of invalid TOML, from the text after the equals sign.
 std::string hint_for_value(std::string_view value) {
   constexpr std::string_view digits = "0123456789_";
   bool const is_number = value.find_first_not_of("0123456789_+-.,eE") == value.npos;
@@ -154,9 +154,9 @@ std::string hint_for_value(std::string_view value) {
   return "give every key and every table once";
 }
 
-/// The hint for a line that is no TOML, from the line itself: the parser tells its reasons in prose alone.
+/// Returns a hint for a line of invalid TOML. The parser reports causes only as prose, so the line itself is examined.
 std::string hint_for(std::string_view line) {
-  // A line that cannot be shown is not text.
+  // shown_line() ends in "…" at bytes that are not text.
   if (line.empty() || line.find("…") != line.npos) {
     return "is this the right file? settings are text, as in count = 841 under [disks]";
   }
@@ -214,10 +214,10 @@ TomlValue parse_toml_value(std::string_view text, SettingLocation const& where) 
   TomlValue value{.kind = Kind::text, .text = std::string(text)};
   try {
     TomlValue document = parse_toml(fmt::format("value = {}", text), where.file);
-    // More than one member: the text smuggled in a line of its own.
+    // With more than one member the text contained further lines, so it counts as plain text.
     if (document.items.size() == 1) value = std::move(document.items.front());
   } catch (Error const&) {
-    // Not TOML: the text itself is the value.
+    // The text is not TOML, so the value is the text itself.
   }
   relocate(value, where);
   value.as_typed = text;

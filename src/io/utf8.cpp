@@ -10,13 +10,13 @@ constexpr std::string_view replacement_character = "\xEF\xBF\xBD";
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7F'; }
 
-/// Also those of two bytes, U+0080 to U+009F, which some terminals obey.
+/// Returns whether a character is a control character, also one of U+0080 to U+009F, which some terminals obey.
 bool is_control(std::string_view character) {
   return is_control(character.front()) ||
          (character.front() == '\xC2' && static_cast<unsigned char>(character[1]) < 0xA0);
 }
 
-/// The length of the well-formed UTF-8 character the text begins with; 0 where it begins with none (RFC 3629).
+/// Returns the length in bytes of the UTF-8 character at the start of a text; 0 if it is not well-formed (RFC 3629).
 std::size_t length_of_character(std::string_view text) {
   auto const byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   unsigned const first = byte(0);
@@ -33,12 +33,12 @@ std::size_t length_of_character(std::string_view text) {
   bool const is_overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   bool const is_surrogate = first == 0xED && second >= 0xA0;
   bool const is_beyond_unicode = first == 0xF4 && second >= 0x90;
-  // U+FFFE and U+FFFF are no characters.
+  // U+FFFE and U+FFFF are not characters.
   bool const is_noncharacter = first == 0xEF && second == 0xBF && byte(2) >= 0xBE;
   return is_overlong || is_surrogate || is_beyond_unicode || is_noncharacter ? 0 : length;
 }
 
-/// Calls visit(character) for every character, broken bytes replaced one by one.
+/// Calls visit(character) for every character; each invalid byte becomes a replacement character.
 template <class Visit>
 void for_each_character(std::string_view text, Visit visit) {
   while (!text.empty()) {

@@ -6,10 +6,10 @@
 
 namespace gridlock {
 
-/// The text as valid UTF-8 in one line: control characters become spaces, broken bytes U+FFFD.
+/// Returns a text as valid UTF-8 on one line: control characters become spaces, invalid bytes U+FFFD.
 std::string one_line(std::string_view text);
 
-/// The bytes before the first one that is no text: broken UTF-8 or a control character other than a tab.
+/// Returns the number of bytes before the first invalid UTF-8 or control character other than a tab.
 std::size_t text_length(std::string_view text);
 
 }  // namespace gridlock

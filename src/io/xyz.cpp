@@ -14,7 +14,7 @@ namespace xyz {
 
 namespace {
 
-/// Puts rows in the order of their Ids. Errors: Error where two have one.
+/// Sorts rows by Id. Errors: Error if Ids are invalid, such as two equal ones.
 void sort_by_id(Rows& rows, Reader& reader) {
   std::vector<Row>& disks = rows.disks;
   if (disks.empty()) return;
@@ -28,7 +28,7 @@ void sort_by_id(Rows& rows, Reader& reader) {
   std::ranges::sort(disks, {}, &Row::id);
 }
 
-/// The columns that disks do not have.
+/// Returns the columns of the file that disks do not have.
 std::vector<FrameColumn> others_of(Rows const& rows, Columns const& columns) {
   std::vector<FrameColumn> others;
   for (auto const& [column, name] : columns.others) {

@@ -16,11 +16,11 @@ namespace gridlock::xyz {
 
 namespace {
 
-/// A property we read, under the names programs give it.
+/// A property that Gridlock reads, with the names that other programs use for it.
 struct KnownProperty {
-  std::vector<std::string_view> names;  ///< in small letters
+  std::vector<std::string_view> names;  ///< in lower case
   std::vector<Role> roles;
-  std::size_t min_width;  ///< at most one column for each role
+  std::size_t min_width;  ///< smallest number of columns; the largest is the number of roles
 };
 
 std::vector<KnownProperty> const& known_properties() {
@@ -35,9 +35,9 @@ std::vector<KnownProperty> const& known_properties() {
   return properties;
 }
 
-/// Other names, read where the file has none of those above: the first role that a file has already decides.
+/// Another property that is read only if the file has no column with the role `in_place_of`.
 struct Substitute {
-  std::vector<std::vector<std::string_view>> names;  ///< of one property, or of one for each component
+  std::vector<std::vector<std::string_view>> names;  ///< names of one property, or of one property per component
   std::vector<Role> roles;
   Role in_place_of;
   std::size_t min_width;
@@ -128,7 +128,7 @@ class ColumnsReader {
     }
   }
 
-  /// Leaves a substitute that is not whole, such as x without y, unused.
+  /// Gives roles to the columns of a substitute; an incomplete one, such as x without y, stays unused.
   void give_roles(Substitute const& substitute) {
     std::vector<Property*> found;
     for (std::vector<std::string_view> const& names : substitute.names) {
@@ -181,7 +181,7 @@ std::vector<std::string> Columns::unused() const {
   std::vector<std::string> names;
   for (Property const& property : properties) {
     bool const is_kind = is_one_of(property.name, {"species", "type", "element", "symbol", "symbols"}) ||
-                         property.name == "Z";  // z is a height
+                         property.name == "Z";  // "Z" is the atomic number
     if (!property.is_used && !is_kind) names.push_back(property.name);
   }
   return names;

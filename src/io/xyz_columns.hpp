@@ -12,7 +12,7 @@
 
 namespace gridlock::xyz {
 
-/// The meaning of a column of the file.
+/// The meaning of a column in the file.
 enum class Role {
   ignored,
   x,
@@ -35,44 +35,44 @@ enum class Role {
 
 std::string_view name_of(Role role);
 
-/// One property of the rows, of one column or of several side by side.
+/// A property of extended XYZ, with one column or several adjacent columns.
 struct Property {
   std::string name;
-  char type = 'R';  ///< R, I, S (words) or L (T and F)
+  char type = 'R';  ///< R (real), I (integer), S (words) or L (T and F)
   std::size_t first = 0;
   std::size_t width = 1;
-  bool is_used = false;  ///< whether its columns have roles
+  bool is_used = false;  ///< whether its columns have roles other than `ignored`
 };
 
-/// The columns that Properties names.
+/// The columns that the entry Properties describes.
 struct Columns {
   std::vector<Property> properties;
-  std::vector<Role> roles;                    ///< of each column
-  std::map<std::size_t, std::string> others;  ///< columns that disks do not have, one number each, by their place
-  bool has_momenta = false;                   ///< in place of velocities
+  std::vector<Role> roles;                    ///< role of each column
+  std::map<std::size_t, std::string> others;  ///< names of the columns without a role, by index
+  bool has_momenta = false;                   ///< whether the file has momenta and no velocities
 
   [[nodiscard]] bool has(Role role) const;
-  /// Velocities, or momenta, which are divided by the masses.
+  /// Returns whether the file has velocities, or momenta from which velocities follow.
   [[nodiscard]] bool has_velocities() const { return has(Role::velocity_x) || has(Role::momentum_x); }
-  /// Radii, or diameters.
+  /// Returns whether the file has radii, or diameters from which radii follow.
   [[nodiscard]] bool has_radii() const { return has(Role::radius) || has(Role::diameter); }
-  /// The names of the columns that mean nothing to disks, besides what tells the kinds apart.
+  /// Returns the names of the properties that disks do not use, other than names of species.
   [[nodiscard]] std::vector<std::string> unused() const;
 };
 
-/// Reads the value of Properties. Errors: Error where it is damaged, or gives something twice.
+/// Reads the value of Properties. Errors: Error if it is malformed or describes a quantity twice.
 Columns read_columns(Lines const& lines, Entry const& properties);
 
-/// The number in a column. Errors: Error where it is none, or not finite.
+/// Returns the number in a column. Errors: Error if the word is not a finite number.
 double finite_number(Lines const& lines, Word const& word, Role role);
 
-/// A number, or 1 and 0 for what is true and false; nan where the word is neither.
+/// Returns a number, 1 for true, 0 for false; NaN for other words.
 double any_number(std::string_view word);
 
-/// T, F and the other spellings of the specification, and 1 and 0, which ASE reads too; nothing for another word.
+/// Returns whether a word is true: T, F, other spellings of the specification, or 1 and 0 of ASE; nothing otherwise.
 std::optional<bool> truth(std::string_view word);
 
-/// Refuses what stands in a column.
+/// Throws an Error about a word in a column.
 [[noreturn]] void refuse_word(Lines const& lines, Word const& word, Role role, std::string_view expected);
 
 }  // namespace gridlock::xyz

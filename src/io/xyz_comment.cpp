@@ -23,7 +23,7 @@ char closing_of(char opening) {
   }
 }
 
-/// Reads the second line from left to right.
+/// Reads the entries of the second line from left to right.
 class EntryReader {
  public:
   explicit EntryReader(Lines const& lines) : lines_(lines), line_(lines.line()) {}
@@ -36,7 +36,7 @@ class EntryReader {
       for (bool is_first = true; skip_blanks() && line_[at_] == '='; is_first = false) {
         ++at_;
         std::string const value = skip_blanks() ? take_word(false) : "";
-        // A further equals sign belongs to the value, as ASE has it.
+        // As in ASE, a second equals sign belongs to the value.
         entry.value = is_first ? value : entry.value + '=' + value;
       }
       entries.push_back(std::move(entry));
@@ -45,13 +45,13 @@ class EntryReader {
   }
 
  private:
-  /// Whether anything is left behind the blanks.
+  /// Skips blanks; returns whether the line has more text.
   bool skip_blanks() {
     while (at_ < line_.size() && is_blank(line_[at_])) ++at_;
     return at_ < line_.size();
   }
 
-  /// A key, which ends at an equals sign, or a value. One in quotes, brackets or braces ends with them.
+  /// Reads a key, up to an equals sign, or a value. A word that begins with a quote or bracket ends with its partner.
   std::string take_word(bool is_key) {
     bool const is_enclosed = closing_of(line_[at_]) != '\0';
     if (is_enclosed) {
@@ -65,7 +65,7 @@ class EntryReader {
         at_ += 2;
         continue;
       }
-      // A quote inside a word hides what it encloses, blanks too: energy="…" in it is no entry.
+      // A quote or bracket inside a word encloses its text, also blanks, so energy="…" inside a value is not an entry.
       bool const hides = !word.empty() && letter != '\'' && closing_of(letter) != '\0';
       if (hides) {
         if (auto enclosed = take_enclosed()) word += *enclosed;
@@ -79,7 +79,7 @@ class EntryReader {
 
   static char unescaped(char letter) { return letter == 'n' ? '\n' : letter; }
 
-  /// The text in quotes, brackets or braces, from the opening on. Nothing for an apostrophe that is alone.
+  /// Reads a text in quotes, brackets or braces; returns nothing for an apostrophe without a partner.
   std::optional<std::string> take_enclosed() {
     char const opening = line_[at_];
     auto const end = opening == '"' || opening == '\'' ? end_of_quote(at_) : end_of_brackets(at_);
@@ -99,7 +99,7 @@ class EntryReader {
     return text;
   }
 
-  /// The end of the quote that begins there.
+  /// Returns the index of the quote that closes the quote at `begin`.
   [[nodiscard]] std::optional<std::size_t> end_of_quote(std::size_t begin) const {
     for (std::size_t k = begin + 1; k < line_.size(); ++k) {
       if (line_[k] == '\\') {
@@ -111,7 +111,7 @@ class EntryReader {
     return std::nullopt;
   }
 
-  /// The end of the bracket or brace that begins there; those in quotes do not count, unless a quote is alone.
+  /// Returns the index of the closing bracket or brace. Those in quotes are skipped if all quotes are closed.
   [[nodiscard]] std::optional<std::size_t> end_of_brackets(std::size_t begin) const {
     auto const end = end_of_brackets(begin, true);
     return end ? end : end_of_brackets(begin, false);
@@ -202,7 +202,7 @@ class ElementReader {
     return true;
   }
 
-  /// Whether rows are equally long and hold everything.
+  /// Returns whether all rows have the same length and contain all elements.
   [[nodiscard]] bool is_even() const {
     std::size_t in_rows = 0;
     for (std::size_t const row : rows_) {
@@ -219,7 +219,7 @@ class ElementReader {
   std::size_t begin_of_row_ = 0;
   Before before_ = Before::opening;
   std::vector<std::string> elements_;
-  std::vector<std::size_t> rows_;  ///< how many elements each has
+  std::vector<std::size_t> rows_;  ///< number of elements in each row
 };
 
 }  // namespace

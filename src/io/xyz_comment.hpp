@@ -9,22 +9,22 @@
 
 namespace gridlock::xyz {
 
-/// One entry of the second line, key=value; a key alone has the value T.
+/// An entry key=value of the second line; a key without a value has the value T.
 struct Entry {
   std::string key;
-  std::string value;  ///< without the quotes or braces around it and without escapes; brackets stay
-  int column = 0;     ///< of the key, from 1
+  std::string value;  ///< without quotes, braces and escapes; with brackets
+  int column = 0;     ///< column of the key, from 1
 };
 
-/// The entries of the present line, as the specification of extended XYZ has them (github.com/libAtoms/extxyz) and as
-/// its parser and ASE read them.
+/// Returns the entries of the current line, by the specification of extended XYZ (github.com/libAtoms/extxyz), its
+/// parser and ASE.
 ///
-/// Keys and values may stand in quotes, in which \" is a quote; values in brackets or braces besides. Blanks may stand
-/// around the equals sign. Errors: Error where a quote, bracket or brace does not end.
+/// Keys and values may be in quotes, where \" is a quote, and values also in brackets or braces. Blanks may surround
+/// the equals sign. Errors: Error if a quote, bracket or brace is not closed.
 std::vector<Entry> entries_of(Lines const& lines);
 
-/// The elements of a value that is a vector or a matrix, row after row: [T, T, F], [[1, 0], [0, 1]], 1 0 0 or 1,0,0.
-/// Nothing where a comma or a bracket is in the wrong place or the rows are not equally long.
+/// Returns the elements of a vector or matrix by rows: [T, T, F], [[1, 0], [0, 1]], 1 0 0 or 1,0,0. Returns nothing if
+/// a comma or bracket is misplaced or rows differ in length.
 std::optional<std::vector<std::string>> elements_of(std::string_view value);
 
 }  // namespace gridlock::xyz

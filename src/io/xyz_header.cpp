@@ -19,7 +19,7 @@ namespace {
   lines.refuse(fmt::format("{} is {}, but must be {}", entry.key, in_quotes(entry.value), expected), "", entry.column);
 }
 
-/// The finite numbers of a vector or matrix; none where it holds anything else.
+/// Returns the numbers of a vector or matrix; none if an element is not a finite number.
 std::vector<double> numbers_of(std::string_view value) {
   std::vector<double> numbers;
   for (std::string const& element : elements_of(value).value_or(std::vector<std::string>())) {
@@ -30,7 +30,7 @@ std::vector<double> numbers_of(std::string_view value) {
   return numbers;
 }
 
-/// Whole numbers may be written as 100.0 or 1e3.
+/// Returns a whole number, also if it is written as 100.0 or 1e3.
 std::optional<std::uint64_t> whole_number(std::string_view word) {
   if (auto const number = parse_number<std::uint64_t>(word)) return number;
   auto const real = real_number(word);
@@ -39,10 +39,10 @@ std::optional<std::uint64_t> whole_number(std::string_view word) {
   return static_cast<std::uint64_t>(*real);
 }
 
-/// Programs that turn a box leave rounding errors where zeros were.
+/// Returns whether a value is a rounding error of 0, which programs that rotate boxes leave.
 bool is_rounding(double value, double side) { return std::abs(value) <= 1e-12 * side; }
 
-/// Of a box that is skewed, or turned against x and y.
+/// Throws an Error about a box that is skewed, or rotated against x and y.
 [[noreturn]] void refuse_sides(Lines const& lines, Entry const& entry, std::vector<double> const& lattice) {
   double const product = lattice[0] * lattice[3] + lattice[1] * lattice[4];
   double const lengths = std::hypot(lattice[0], lattice[1]) * std::hypot(lattice[3], lattice[4]);
@@ -84,7 +84,7 @@ std::array<bool, 2> read_periodic(Lines const& lines, Entry const& entry) {
   return {periodic[0], periodic.size() > 1 ? periodic[1] : periodic[0]};
 }
 
-/// Reads the second line, entry by entry.
+/// Reads the entries of the second line into a Header.
 class HeaderReader {
  public:
   explicit HeaderReader(Lines const& lines) : lines_(lines) {}
@@ -94,7 +94,7 @@ class HeaderReader {
     if (auto const* lattice = header_.entry("Lattice")) header_.sides = read_sides(lines_, *lattice);
     if (auto const* properties = header_.entry("Properties")) header_.columns = read_columns(lines_, *properties);
     header_.is_periodic.fill(header_.sides.has_value());
-    // In plain XYZ these words may mean anything.
+    // In plain XYZ these names may have other meanings, so they are ignored.
     if (header_.sides || header_.columns) {
       if (auto const* pbc = header_.entry("pbc")) header_.is_periodic = read_periodic(lines_, *pbc);
       if (auto const* origin = header_.entry("Origin")) read_origin(*origin);
@@ -104,7 +104,7 @@ class HeaderReader {
   }
 
  private:
-  /// The line of plain XYZ may say anything.
+  /// Returns the entries; none for a malformed comment line of plain XYZ, whose content is free.
   [[nodiscard]] std::vector<Entry> entries_of_any() const {
     try {
       return entries_of(lines_);
@@ -122,7 +122,7 @@ class HeaderReader {
     header_.origin = {origin[0], origin[1]};
   }
 
-  /// Other programs use the same names for what is of no use here, such as a date: that must not bar a file.
+  /// Reads time, step and seed. Another program's value, such as a date, is left unused if it is unsuitable.
   void read_clock() {
     if (auto const* time = any_case("time")) {
       header_.time = real_number(time->value);
@@ -143,7 +143,7 @@ class HeaderReader {
     header_.unused_entries.push_back(fmt::format("{}={}", entry.key, cut(entry.value, 60)));
   }
 
-  /// An entry in the letters that Gridlock writes, or in small or capital ones.
+  /// Returns the entry with a key in Gridlock's spelling, or else in any mixture of lower and upper case.
   [[nodiscard]] Entry const* any_case(std::string_view key) const {
     std::string ours(key);
     if (key == "time") ours = "Time";
@@ -159,7 +159,7 @@ class HeaderReader {
   Header header_;
 };
 
-/// The hint says so where a key was written in other letters, which other programs do not take for it either.
+/// Returns a hint about a missing key. If the file has the key in other case, the hint shows the correct spelling.
 std::string hint_of_missing(Header const& header, std::string_view key, std::string hint) {
   for (Entry const& entry : header.entries) {
     bool const is_alike = std::ranges::equal(entry.key, key, [](char a, char b) {
@@ -180,7 +180,7 @@ double fold(double& place, double side) {
     inside += side;
     turns -= 1.0;
   }
-  // A place just below 0 is the edge itself, after rounding.
+  // The sum of a tiny negative position and the side may round to the side, which is outside the box.
   if (inside >= side) {
     inside = 0.0;
     turns += 1.0;

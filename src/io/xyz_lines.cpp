@@ -13,7 +13,7 @@ namespace gridlock::xyz {
 
 namespace {
 
-/// In bytes: a frame of 1,000 columns with their names has less.
+/// Maximum length of a line in bytes; the second line with 1,000 named columns is shorter.
 constexpr std::size_t longest_line = std::size_t{1} << 26;
 
 }  // namespace
@@ -57,7 +57,7 @@ bool Lines::next() {
   return true;
 }
 
-/// Editors put a mark before a file, and programs that join files leave it between frames.
+/// Skips a byte order mark, which editors put before a file, and joined files therefore have between frames.
 void Lines::skip_mark() {
   constexpr std::string_view mark = "\xEF\xBB\xBF";
   if (!line().starts_with(mark)) return;
@@ -71,13 +71,13 @@ std::uint64_t Lines::skip(std::uint64_t count) {
   return passed;
 }
 
-/// Adds to the window behind the present line, and leaves out what is before that.
+/// Reads more text into the window and discards the text before the current line. Returns false at the end of the text.
 bool Lines::read_more() {
   constexpr std::size_t piece = std::size_t{1} << 18;
   window_.erase(0, begin_);
   next_ -= begin_;
   begin_ = 0;
-  // A long line is read in ever longer pieces, so that it is not moved again and again.
+  // Each piece doubles the window, so that a long line is moved only a few times.
   std::size_t const had = window_.size();
   window_.resize(had + std::max(piece, had));
   std::size_t const got = text_.read(std::span(window_).subspan(had));
@@ -86,7 +86,7 @@ bool Lines::read_more() {
   return !is_at_end_;
 }
 
-/// Contract: the window holds the beginning of the next line.
+/// Throws an Error about a line longer than longest_line. Contract: the window holds the beginning of that line.
 void Lines::refuse_endless_line() {
   ++number_;
   begin_ = next_;

@@ -11,37 +11,36 @@
 
 namespace gridlock::xyz {
 
-/// One word of a line and where it begins.
+/// A word of a line with its position.
 struct Word {
   std::string_view text;
-  int column = 0;  ///< from 1
+  int column = 0;  ///< column of the first letter, from 1
 };
 
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
-/// The number that a word denotes, also with the exponents of Fortran, 1d3 and 1D3; nothing where it is none.
+/// Returns the number that a word denotes, also with Fortran's exponents, 1d3 and 1D3; nothing if it is not a number.
 std::optional<double> real_number(std::string_view word);
 
-/// The words of a line, in the place of those of the line before.
+/// Replaces `words` by the words of a line.
 void split(std::string_view line, std::vector<Word>& words);
 
-/// The lines of a text, one at a time, without a byte order mark before them; errors name the present one. Memory: a
-/// piece of the text, or a line where one is longer.
+/// Reads the lines of a text one at a time, without byte order marks. Error messages name the current line. Memory: a
+/// piece of the text, or one line if it is longer.
 class Lines {
  public:
-  /// `first` is the number of the first line, where the text is a part of a file.
+  /// `first` is the number of the first line if the text is a part of a file.
   explicit Lines(TextReader text, int first = 1) : text_(std::move(text)), first_(first), number_(first - 1) {}
 
-  /// Goes to the next line; at the end of the text it stays where it is and returns false.
+  /// Goes to the next line; at the end of the text it returns false and stays at the last line.
   bool next();
-  /// Passes over lines; how many there were.
+  /// Skips lines; returns how many there were, at most `count`.
   std::uint64_t skip(std::uint64_t count);
-  /// Is before the first line again; false where the text cannot be read again, as with a pipe.
+  /// Returns to before the first line; false if the text cannot be read again, as with a pipe.
   bool begin_again();
-  /// Goes to a line that has been read before. Where the text cannot be read again it has that number and nothing in
-  /// it.
+  /// Returns to a line that was read before. If the text cannot be read again, the line has that number and no text.
   void go_back_to(int number);
-  /// Is behind the last line, which is where something is missing.
+  /// Goes behind the last line, to report there that lines are missing.
   void go_behind_the_last();
 
   [[nodiscard]] std::string_view line() const { return std::string_view(window_).substr(begin_, length_); }
@@ -49,7 +48,7 @@ class Lines {
   [[nodiscard]] TextReader& text() { return text_; }
   [[nodiscard]] TextReader const& text() const { return text_; }
 
-  /// Throws Error; an empty hint means the usual one.
+  /// Throws an Error about the current line; an empty hint is replaced by the usual hint.
   [[noreturn]] void refuse(std::string what, std::string hint, int column = 0) const;
 
  private:
@@ -58,11 +57,11 @@ class Lines {
   void skip_mark();
 
   TextReader text_;
-  std::string window_;      ///< the present line and what has been read behind it
-  std::size_t begin_ = 0;   ///< of the present line
-  std::size_t length_ = 0;  ///< of the present line
-  std::size_t next_ = 0;    ///< where the next one begins
-  bool is_at_end_ = false;  ///< of the text
+  std::string window_;      ///< the current line and the text read after it
+  std::size_t begin_ = 0;   ///< index of the current line in window_
+  std::size_t length_ = 0;  ///< bytes of the current line
+  std::size_t next_ = 0;    ///< index of the next line in window_
+  bool is_at_end_ = false;  ///< whether the text has ended
   int first_ = 1;
   int number_ = 0;
 };

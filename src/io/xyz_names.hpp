@@ -6,17 +6,17 @@
 
 namespace gridlock::xyz {
 
-/// Columns of a frame that are stored side by side under one property name of extended XYZ.
+/// A property of extended XYZ and the columns of a frame that are its components.
 struct PropertyName {
   std::string name;
   std::vector<std::string> columns;
-  bool pads = false;  ///< whether a third component, 0, follows
+  bool pads = false;  ///< whether a third component 0 is added
 };
 
-/// The names that other programs know for our columns; all other columns keep their own.
+/// Returns the names that other programs use for Gridlock's columns; other columns keep their names.
 ///
-/// OVITO reads "velo" and "radius", ASE "masses" and "momenta". Both would take columns of whole numbers called
-/// "species" or "type" for the names of kinds.
+/// OVITO reads "velo" and "radius", ASE "masses" and "momenta". Both would read whole numbers named "species" or "type"
+/// as names of kinds.
 inline std::vector<PropertyName> const& known_names() {
   static std::vector<PropertyName> const names{{"velo", {"velocity_x", "velocity_y"}, true},
                                                {"radius", {"radius"}, false},
@@ -28,7 +28,7 @@ inline std::vector<PropertyName> const& known_names() {
   return names;
 }
 
-/// The name of the column that a property with one component holds.
+/// Returns the name of the column for a property with one component.
 inline std::string column_name(std::string_view property) {
   for (PropertyName const& known : known_names()) {
     if (known.name == property && known.columns.size() == 1) return known.columns.front();

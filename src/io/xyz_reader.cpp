@@ -14,7 +14,7 @@ namespace gridlock::xyz {
 
 namespace {
 
-/// A population keeps a place for every slot up to the largest: a damaged Id must not ask for all the memory.
+/// Returns the limit of slots. A population has memory for all slots, so a damaged Id could exhaust the memory.
 std::uint64_t max_slots(std::uint64_t count) { return (std::uint64_t{1} << 22) + 64 * count; }
 
 bool is_empty(std::string_view line) { return std::ranges::all_of(line, is_blank); }
@@ -25,7 +25,7 @@ std::optional<std::uint64_t> count_in(std::string_view line) {
   return words.size() == 1 ? parse_number<std::uint64_t>(words[0].text) : std::nullopt;
 }
 
-/// Goes to the next line that is not empty; false where there is none.
+/// Goes to the next line that is not empty; returns false if there is none.
 bool find_line(Lines& lines) {
   while (lines.next()) {
     if (!is_empty(lines.line())) return true;
@@ -33,7 +33,7 @@ bool find_line(Lines& lines) {
   return false;
 }
 
-/// The number of disks in the line that was found to begin a frame.
+/// Returns the number of disks in the current line, the first of a frame.
 std::uint64_t count_of_first_line(Lines const& lines) {
   auto const count = count_in(lines.line());
   if (count) return *count;
@@ -42,7 +42,7 @@ std::uint64_t count_of_first_line(Lines const& lines) {
                is_wide ? "the file is in UTF-16: save it in UTF-8" : "is this extended XYZ?", 1);
 }
 
-/// Passes over the frame whose first line is the present one.
+/// Skips the frame that begins with the current line.
 void pass_frame(Lines& lines, std::uint64_t frame) {
   auto const count = frame == 0 ? count_of_first_line(lines) : count_in(lines.line());
   if (!count) {
@@ -95,7 +95,7 @@ Reader::Reader(TextReader text, FrameChoice choice) : lines_(std::move(text)), c
   });
 }
 
-/// Is at the first line of a frame then.
+/// Goes to the first line of a frame, counted from the end if `frame` is negative.
 void Reader::go_to(std::int64_t frame) {
   auto const refuse = [&](std::uint64_t frames) {
     lines_.begin_again();
@@ -119,7 +119,7 @@ void Reader::go_to(std::int64_t frame) {
   }
 }
 
-/// Damage of a packed text makes any bytes of it, and errors that would mislead.
+/// Calls `read`. Damaged gzip data unpack to arbitrary text, so after an Error the checksum is tested first.
 void Reader::undamaged(std::function<void()> const& read) {
   try {
     read();
@@ -130,7 +130,7 @@ void Reader::undamaged(std::function<void()> const& read) {
 }
 
 std::uint64_t Reader::likely_count() const {
-  // A row takes a digit and a space for every column.
+  // A row has at least a digit and a space for each column.
   return std::min<std::uint64_t>(count_, lines_.text().likely_size() / (2 * columns().roles.size()) + 1);
 }
 
@@ -146,7 +146,7 @@ bool Reader::read(std::size_t most, Rows& rows) {
   bool const has_some = next_row_ < end;
   undamaged([&] {
     while (next_row_ < end) read_row(rows);
-    // The lines behind the frame that was chosen are of no concern.
+    // Lines after a chosen frame are not read.
     if (!has_some && !choice_.frame) refuse_further_lines();
   });
   return has_some;
@@ -191,7 +191,7 @@ void Reader::read_row(Rows& rows) {
   ++next_row_;
 }
 
-/// Counts from the corner of the box, and comes in through periodic edges; walls stay walls.
+/// Moves a position into the box: relative to the lower left corner, and through periodic edges, but not through walls.
 void Reader::put_inside(Row& row) {
   if (header_.origin.x != 0.0) row.position.x -= header_.origin.x;
   if (header_.origin.y != 0.0) row.position.y -= header_.origin.y;
@@ -202,7 +202,7 @@ void Reader::put_inside(Row& row) {
   if (!(outside.x == row.position.x && outside.y == row.position.y)) ++folded_;
 }
 
-/// The image of a place that is put between 0 and `side`.
+/// Moves a position into [0, side) and returns its new image. Errors: Error if the image exceeds 32 bits.
 std::int32_t Reader::folded(double& place, double side, std::int32_t image) const {
   double const before = place;
   double const moved = static_cast<double>(image) + fold(place, side);
@@ -226,7 +226,7 @@ Row Reader::row_of(std::vector<Word> const& words) const {
   return row;
 }
 
-/// Momenta take the place of velocities until all of the row is known.
+/// Stores a word of the row. Momenta are stored as velocities until row_of() divides them by the mass.
 void Reader::take(Word const& word, Role role, Row& row) const {
   switch (role) {
     case Role::ignored:
@@ -281,7 +281,7 @@ double Reader::positive(Word const& word, Role role) const {
 void Reader::refuse_height(Word const& word, Role role) const {
   double const height = finite_number(lines_, word, role);
   if (height == 0.0) return;
-  // Programs that turn a system leave rounding errors where zeros were.
+  // Programs that rotate a system leave rounding errors of 0.
   bool const is_place = role == Role::z;
   if (is_place && std::abs(height) <= 1e-12 * std::max(box_.width(), box_.height())) return;
   lines_.refuse(fmt::format("the {} is {}, but disks live in the plane z = 0", name_of(role), word.text),

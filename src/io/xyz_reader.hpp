@@ -16,7 +16,7 @@
 
 namespace gridlock::xyz {
 
-/// One disk as its line gives it.
+/// A disk as its line in the file describes it.
 struct Row {
   Id id = 0;
   Vector position;
@@ -25,19 +25,19 @@ struct Row {
   double mass = 1.0;
   std::int32_t image_x = 0;
   std::int32_t image_y = 0;
-  std::uint64_t number = 0;  ///< from 0, as it is in the file
+  std::uint64_t number = 0;  ///< index of the row in the file
 };
 
-/// Which frame of a file is read, and how the user says so.
+/// The frame of a file to be read, and the name of the setting for it.
 struct FrameChoice {
-  std::optional<std::int64_t> frame = {};  ///< from 0, or from −1 for the last; left out: the only one
-  std::string setting = "frame";           ///< in hints: "--frame", "disks.frame"
+  std::optional<std::int64_t> frame = {};  ///< from 0, or from −1 backwards; nothing for a file with one frame
+  std::string setting = "frame";           ///< name in hints: "--frame", "disks.frame"
 };
 
-/// Some rows of a file, one after the other.
+/// Consecutive rows of a file.
 struct Rows {
   std::vector<Row> disks;
-  std::vector<double> others;  ///< row after row, those of Header::others
+  std::vector<double> others;  ///< values of Columns::others, row after row
 };
 
 /// An Id and the row of the file that gives it.
@@ -46,44 +46,44 @@ struct IdOfRow {
   std::uint64_t row;
 };
 
-/// Why disks cannot have the Ids of a file: one slot of a population is given twice, or one is out of proportion.
+/// An Id that a population cannot have, since its slot is used twice or is too large for the number of disks.
 struct WrongId {
   Id id;
   std::uint64_t row;
-  std::optional<std::uint64_t> first_row;  ///< that has the same slot
+  std::optional<std::uint64_t> first_row;  ///< earlier row with the same slot; none if the slot is too large
 };
 
-/// The place of an Id in a population, which two disks cannot share.
+/// Returns the slot of an Id in a population, its lower 32 bits. Two disks must not share a slot.
 inline std::uint64_t slot_of(Id id) { return id & 0xFFFFFFFFU; }
 
-/// The problem of some of the Ids of a file of `count` rows, that of the lowest slot that cannot be. Those with one
-/// slot are given together. Changes their order.
+/// Returns the wrong Id with the lowest slot in a file of `count` rows; nothing if all Ids are valid. Ids with the same
+/// slot must be in the same call. Sorts `ids`.
 std::optional<WrongId> find_wrong_id(std::vector<IdOfRow>& ids, std::uint64_t count);
 
-/// Whether Ids in this order ascend and cannot be wrong.
+/// Returns whether ascending Ids from `first` to `last` are certain to be valid.
 bool are_plain(Id first, Id last, std::uint64_t count);
 
-/// Reads a frame of extended XYZ: its head, then its rows in pieces. Positions come inside the box: counted from its
-/// corner, and through periodic edges, which the images count. Where a packed text is damaged, that is the error,
-/// whatever else its bytes say.
+/// Reads a frame of extended XYZ: two header lines, then the rows in pieces. Positions are relative to the lower left
+/// corner, and folded through periodic edges with their images. Damage of a packed file is reported before any other
+/// error.
 class Reader {
  public:
-  /// Errors: Error for the first two lines.
+  /// Errors: Error if the first two lines are malformed.
   explicit Reader(TextReader text, FrameChoice choice = {});
 
-  /// Rows of the frame, as its first line says.
+  /// Returns the number of rows by the first line of the frame.
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] Header const& header() const { return header_; }
   [[nodiscard]] Columns const& columns() const { return *header_.columns; }
-  /// Names in the file that disks do not have.
+  /// Returns the names in the file that disks do not use.
   [[nodiscard]] std::vector<std::string> unused() const;
   [[nodiscard]] Box const& box() const { return box_; }
-  /// How many rows so far were outside the box, and have come through its edges.
+  /// Returns how many rows so far were outside the box and have been folded into it.
   [[nodiscard]] std::uint64_t folded() const { return folded_; }
-  /// For how many rows there should be room, whatever the first line says.
+  /// Returns for how many rows to reserve memory; less than count() if the file is too small for its first line.
   [[nodiscard]] std::uint64_t likely_count() const;
 
-  /// Appends further rows, at most `most`; false where there were none left, and nothing else is in the file. Errors:
+  /// Appends the next rows, at most `most`. Returns false if there were none left; then the file must end. Errors:
   /// Error.
   bool read(std::size_t most, Rows& rows);
 
@@ -107,7 +107,7 @@ class Reader {
   Lines lines_;
   FrameChoice choice_;
   std::uint64_t count_ = 0;
-  int first_row_line_ = 3;  ///< the head takes two lines
+  int first_row_line_ = 3;  ///< line number of the first row
   Header header_;
   Box box_;
   std::uint64_t folded_ = 0;
@@ -115,13 +115,13 @@ class Reader {
   std::vector<Word> words_;
 };
 
-/// The frame of a file of which nothing but the head has been read. Errors: those of read_xyz().
+/// Reads the rows after the header. Errors: those of read_xyz().
 XyzFrame read_all(Reader& reader);
 
-/// Goes to the next line that is not empty, and reads the number of rows there. Errors: Error where it has none.
+/// Goes to the next line that is not empty, and returns the number of rows in it. Errors: Error if it has none.
 std::uint64_t read_count(Lines& lines);
 
-/// How many frames a text has. Errors: Error where one is cut off, or something else stands between them.
+/// Returns the number of frames in a text. Errors: Error if a frame is cut off, or other text follows a frame.
 std::uint64_t count_frames(Lines& lines);
 
 }  // namespace gridlock::xyz

@@ -32,7 +32,7 @@ std::vector<double> numbered(std::vector<std::string> const& words) {
   return numbers;
 }
 
-/// The columns of plain XYZ: a word and two or three numbers.
+/// Returns the columns of plain XYZ: a word and two or three coordinates.
 Columns plain_columns(Lines const& lines, std::size_t words) {
   return read_columns(lines,
                       {.key = "Properties", .value = words >= 4 ? "species:S:1:pos:R:3" : "species:S:1:pos:R:2"});
@@ -93,7 +93,7 @@ class ShownReader {
 
   void read_row(std::vector<Word> const& words) {
     std::size_t const width = columns_->roles.size();
-    // In plain XYZ further columns may follow.
+    // Lines of plain XYZ may have further columns.
     bool const is_right = header_.columns ? words.size() == width : words.size() >= width;
     if (!is_right) {
       lines_.refuse(fmt::format("the line has {} columns, but must have {}", words.size(), width),
@@ -112,7 +112,7 @@ class ShownReader {
     }
   }
 
-  /// The values of a role; none where the file does not have it.
+  /// Returns the values of the column with a role; none if the file does not have it.
   [[nodiscard]] std::vector<double> take(Role role) const {
     if (!columns_) return {};
     auto const found = std::ranges::find(columns_->roles, role);
@@ -159,7 +159,7 @@ class ShownReader {
     }
   }
 
-  /// Without a name where it is not shown: the Id, heights, and further components of what is in space.
+  /// Returns the name of a column in the frame; empty for columns that are not shown: Id, z, and third components.
   [[nodiscard]] std::string name_in_frame(Property const& property, std::size_t column) const {
     if (property.is_used) return std::string(column_of(columns_->roles[column]));
     if (property.width == 1) return column_name(property.name);
@@ -215,8 +215,8 @@ class ShownReader {
   Lines& lines_;
   Header header_;
   std::optional<Columns> columns_;
-  std::vector<std::vector<std::string>> texts_;  ///< of the columns with words
-  std::vector<std::vector<double>> numbers_;     ///< of the others
+  std::vector<std::vector<std::string>> texts_;  ///< values of columns of words, by column
+  std::vector<std::vector<double>> numbers_;     ///< values of columns of numbers, by column
 };
 
 }  // namespace

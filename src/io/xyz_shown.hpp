@@ -15,25 +15,24 @@ struct ShownColumn {
   std::vector<double> values;
 };
 
-/// A frame of any extended or plain XYZ, in the plane.
+/// A frame of extended or plain XYZ in the plane, to be shown.
 struct ShownFrame {
   std::optional<double> step;
   std::optional<double> time;
-  std::optional<std::array<double, 2>> sides;  ///< of the box; none in a file without
-  bool is_periodic = false;                    ///< along both sides
+  std::optional<std::array<double, 2>> sides;  ///< sides of the box; none if the file has no box
+  bool is_periodic = false;                    ///< whether the box is periodic along both sides
   std::vector<double> ids;
-  std::vector<ShownColumn> columns;  ///< x and y among them
-  std::vector<std::string> notes;    ///< sentences on what is shown otherwise than the file has it
+  std::vector<ShownColumn> columns;  ///< including x and y
+  std::vector<std::string> notes;    ///< sentences about differences between file and picture
 };
 
-/// Reads the frame a text begins with as it can be looked at, by the rules of Reader, but more than disks can be: also
-/// without a box, also boxes of any height and periodic along one side only, and without what is out of the plane.
-/// Positions count from the corner of the box, and come in through periodic edges. `first_line` is the number of the
-/// first line.
-/// Errors: Error where it is damaged.
+/// Reads the first frame of a text to be shown. The rules are those of Reader, but files without a box, boxes of any
+/// height, boxes periodic along one side, and three-dimensional positions, whose z is omitted, are accepted too.
+/// Positions are relative to the lower left corner, and folded through periodic edges. `first_line` is the number of
+/// the first line. Errors: Error if the text is malformed.
 ShownFrame read_shown(TextReader text, int first_line);
 
-/// Step and time alone, and no columns: of a text that may end behind its second line.
+/// Reads step and time, without columns, from a text that may end after its second line.
 ShownFrame read_shown_head(TextReader text, int first_line);
 
 }  // namespace gridlock::xyz

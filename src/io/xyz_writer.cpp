@@ -30,7 +30,7 @@ namespace {
 
 bool is_real(FrameColumn const& column) { return std::holds_alternative<std::vector<double>>(column.values); }
 
-/// The place of a column of real numbers; nothing where it is missing or holds whole numbers.
+/// Returns the index of a column of real numbers; nothing if it is missing or has whole numbers.
 std::optional<std::size_t> place_of_reals(FrameSource const& frame, std::string_view name) {
   std::optional<std::size_t> const place = frame.find(name);
   return place && is_real(frame.columns()[*place]) ? place : std::nullopt;
@@ -38,10 +38,10 @@ std::optional<std::size_t> place_of_reals(FrameSource const& frame, std::string_
 
 std::span<double const> reals(FrameValues const& values) { return std::get<std::vector<double>>(values); }
 
-/// About 1 MB of text: long enough to be worth another thread.
+/// Rows that one thread formats at a time, about 1 MB of text.
 constexpr std::size_t rows_per_block = 8192;
 
-/// The names of the kinds of agents: A, B, C … by species, or else by radius and mass, the smallest first.
+/// Names the kinds of agents A, B, C … by species, or else by radius and mass in ascending order.
 class Kinds {
  public:
   explicit Kinds(FrameSource const& frame)
@@ -80,20 +80,20 @@ class Kinds {
     });
   }
 
-  std::optional<std::size_t> radius_;  ///< these are the places of columns
+  std::optional<std::size_t> radius_;  ///< radius_, mass_ and species_ are indices of columns
   std::optional<std::size_t> mass_;
   std::optional<std::size_t> species_;
   std::set<std::pair<double, double>> kinds_;
 };
 
-/// A property of the format and the places of the columns that it holds.
+/// A property of extended XYZ and the indices of its columns.
 struct PropertyColumns {
   std::string name;
   std::vector<std::size_t> columns;
   bool pads = false;
 };
 
-/// Everything but type, position and id, in the order it is written.
+/// Returns all properties but type, position and id, in the order of writing.
 std::vector<PropertyColumns> properties_of(FrameSource const& frame) {
   std::set<std::string_view> written{X::name, Y::name};
   std::vector<PropertyColumns> properties;
@@ -125,7 +125,7 @@ std::string header(FrameSource const& frame, std::vector<PropertyColumns> const&
                      double_text(frame.clock().time), frame.clock().step, frame.seed());
 }
 
-/// The rows of a frame as text.
+/// Formats the rows of a frame as text.
 class Rows {
  public:
   explicit Rows(FrameSource const& frame)
@@ -138,7 +138,7 @@ class Rows {
   [[nodiscard]] std::size_t size() const { return frame_.size(); }
   [[nodiscard]] std::string header() const { return gridlock::header(frame_, properties_); }
 
-  /// At most rows_per_block rows from this one on.
+  /// Returns the rows from `first` on, at most rows_per_block.
   [[nodiscard]] Frame block(std::size_t first) const {
     return frame_.piece(first, std::min(rows_per_block, frame_.size() - first));
   }
@@ -169,12 +169,11 @@ class Rows {
   std::vector<PropertyColumns> properties_;
 };
 
-/// Formats the blocks on all cores and appends them in their order, so that the bytes are those of one thread.
+/// Formats blocks on all cores and appends them in order, so that the bytes do not depend on the number of threads.
 void append_blocks(Rows const& rows, AtomicFile& file) {
   constexpr std::size_t blocks_in_memory = 16;
   std::size_t next = 0;
-  // A pipeline that ends by an exception loses what is on its way, so it ends as always and the exception is thrown
-  // afterwards.
+  // An exception inside the pipeline would lose blocks in progress, so it is stored and thrown after the pipeline ends.
   std::exception_ptr failure;
   std::atomic<bool> has_failed = false;
   auto const append = [&](std::string const& text) {

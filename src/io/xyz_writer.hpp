@@ -7,10 +7,10 @@
 
 namespace gridlock {
 
-/// Appends a frame as write_xyz() writes it; frames one after the other make a film.
+/// Appends a frame as write_xyz() writes it; several frames in a file form a trajectory.
 void append_xyz(FrameSource const& frame, AtomicFile& file);
 
-/// The same text in memory.
+/// Returns the text of a frame, as append_xyz() writes it.
 std::string xyz_text(FrameSource const& frame);
 
 }  // namespace gridlock
