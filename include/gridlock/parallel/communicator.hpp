@@ -18,18 +18,18 @@
 
 namespace gridlock {
 
-/// The number and size of the messages that a rank has sent, and the time for which it has waited for others.
+/// The number and size of the messages that a rank has sent, and the time for which it has waited for other ranks.
 struct Traffic {
   std::uint64_t messages = 0;
   std::uint64_t bytes = 0;
   double seconds_waiting = 0.0;
 };
 
-/// The processes that share one run, its ranks. Every function is called from one thread of each; messages from one
-/// rank to another arrive in the order in which they were sent.
+/// The processes that share one run, its ranks. In each process only one thread calls these functions. Messages from
+/// one rank to another arrive in the order in which they were sent.
 class Communicator {
  public:
-  /// The communicator of a process that shares its run with no other.
+  /// Returns the communicator of a process that does not share its run.
   static Communicator& alone();
 
   Communicator() = default;
@@ -37,35 +37,35 @@ class Communicator {
   Communicator& operator=(Communicator const&) = delete;
   virtual ~Communicator() = default;
 
-  /// The number of this process; 0 is the root.
+  /// Returns the number of this process; 0 is the root.
   [[nodiscard]] virtual std::size_t rank() const = 0;
   [[nodiscard]] virtual std::size_t count() const = 0;
   /// Sends a message and does not wait until it has arrived.
   virtual void send(std::size_t to, Message message) = 0;
-  /// Waits for the next message of a rank.
+  /// Waits for the next message from a rank, and returns it.
   virtual Message receive(std::size_t from) = 0;
 
-  /// The traffic of this rank.
   [[nodiscard]] virtual Traffic traffic() const = 0;
-  /// Seconds since some moment.
+  /// Returns the seconds since a fixed time.
   [[nodiscard]] virtual double seconds() const = 0;
-  /// The number of ranks on the machine of this one, itself included.
+  /// Returns the number of ranks on the machine of this rank, itself included.
   [[nodiscard]] virtual std::size_t count_on_machine() const = 0;
-  /// Agents have taken that many turns here: a simulator of clusters has to be told how much was computed.
+  /// Called after agents of this rank have taken `turns` turns, so that a simulated cluster can estimate the time of
+  /// computation.
   virtual void note_turns(std::uint64_t /*turns*/) {}
-  /// Whether this process has been asked to stop.
+  /// Returns whether this process has been asked to stop.
   [[nodiscard]] virtual bool is_stop_asked() const = 0;
-  /// Another rank has been asked to stop.
+  /// Called when another rank has been asked to stop.
   virtual void ask_to_stop() = 0;
-  /// Ends all ranks: this one cannot go on, and others wait for it.
+  /// Ends all ranks, since this rank cannot continue and other ranks wait for its messages.
   [[noreturn]] virtual void abandon(std::string const& why) = 0;
 
-  /// Whether all ranks have failed alike when they last agreed, see agree(): then none of them waits for another.
+  /// Returns whether all ranks failed together in their last agree(): then no rank waits for another.
   [[nodiscard]] bool have_all_failed() const { return have_all_failed_; }
   void note_agreement(bool have_all_failed) { have_all_failed_ = have_all_failed; }
 
-  /// The traffic of each rank, as the root knows it from the end of the last steps that they took together; none of a
-  /// process that is alone.
+  /// Returns, on the root, the traffic of each rank at the end of the last advance(); empty for a process that does not
+  /// share its run.
   [[nodiscard]] std::vector<Traffic> const& traffic_of_ranks() const { return traffic_of_ranks_; }
   void note_traffic(std::size_t rank, Traffic const& traffic) {
     if (traffic_of_ranks_.size() <= rank) traffic_of_ranks_.resize(rank + 1);

@@ -17,31 +17,31 @@
 
 namespace gridlock {
 
-/// The process that is asked where an agent is: a function of its name, so that everybody knows it, and each process is
-/// asked for about as many.
+/// Returns the process that keeps record of an agent. It depends on the Id alone, so that every process knows it, and
+/// each process has about equally many agents.
 inline std::size_t directory_of(Id id, std::size_t processes) {
   return static_cast<std::size_t>(id & 0xFFFFFFFFU) % processes;
 }
 
-/// Rows of so many bytes, as exchange_rows() takes them and gives them.
+/// The rows that exchange_rows() sends, and functions for the rows that arrive.
 struct RowsOfBytes {
   std::size_t count = 0;
   std::size_t bytes_of_row = 0;
-  std::function<std::size_t(std::size_t row)> process_of;  ///< to which each goes
+  std::function<std::size_t(std::size_t row)> process_of;  ///< the process to which a row is sent
   std::function<void(std::size_t row, std::byte* to)> write;
-  std::function<void(std::uint64_t count)> reserve;  ///< for so many that come
-  std::function<void(std::byte const* row)> read;    ///< one that has come
+  std::function<void(std::uint64_t count)> reserve;  ///< called with the number of rows that arrive
+  std::function<void(std::byte const* row)> read;    ///< called with each row that arrives
 };
 
-/// Each process sends its rows to where they belong, and reads those that have come. All call it.
+/// Sends each row to its process, and reads the rows that other processes sent. All processes call it.
 void exchange_rows(AllProcesses processes, RowsOfBytes const& rows);
 
-/// The Ids of some rows of all agents, which `division` numbers; `own` are the Ids of the rows of this process. All
-/// call it, each with rows of its own. Cost: two rounds of messages for those that others have.
+/// Returns the Ids of `rows`, where `division` numbers the rows of all processes, and `own` has the Ids of the rows of
+/// this process. All processes call it, each for the rows it needs. Cost: two rounds of messages.
 std::vector<Id> ids_of_rows(AllProcesses processes, RowDivision const& division, std::span<Id const> own,
                             std::span<std::uint32_t const> rows);
 
-/// Values of agents, of so many bytes each.
+/// One value of bytes_of_value bytes for each of some agents.
 struct ValuesOfAgents {
   std::size_t bytes_of_value = 0;
   std::vector<Id> ids;
@@ -54,8 +54,8 @@ struct ValuesOfAgents {
   }
 };
 
-/// Sends values of agents that this process does not have to those that have them, and takes those for the agents that
-/// `wait` here for one. A value of an agent that no process has stays. All call it.
+/// Sends values of agents that are in other processes to those processes, and receives values for the agents `wait` of
+/// this process. The value of an agent that no process has stays here. All processes call it.
 void send_to_owners(AllProcesses processes, std::span<Id const> wait, ValuesOfAgents& values);
 
 template <class... Values>
@@ -63,14 +63,14 @@ constexpr std::size_t bytes_of_values(std::tuple<Values...> const* /*values*/) {
   return (sizeof(Values) + ... + 0);
 }
 
-/// Rows of agents without an order.
+/// Rows of agents in any order.
 template <class Agents>
 struct AgentRows {
   LargeArray<Id> ids;
   typename Agents::AllValues values;
 };
 
-/// Each process sends its agents to where they belong, process_of(row), and gets those that have come. All call it.
+/// Sends the agent of each row to process_of(row), and returns the agents that arrive. All processes call it.
 template <class Agents, class ProcessOf>
 AgentRows<Agents> exchanged_agents(AllProcesses processes, std::span<Id const> ids,
                                    typename Agents::AllValues const& values, ProcessOf process_of) {
@@ -91,7 +91,8 @@ AgentRows<Agents> exchanged_agents(AllProcesses processes, std::span<Id const> i
                      },
                  .reserve =
                      [&](std::uint64_t count) {
-                       // With room for those of a rim and for newborn: an array that grows is doubled.
+                       // One eighth more, for newborns and the agents of the rim: else the arrays would double when
+                       // they grow.
                        std::uint64_t const room = count + count / 8;
                        arrived.ids.reserve(room);
                        arrived.values.for_each_column([&](auto& column) { column.reserve(room); });
@@ -110,7 +111,7 @@ AgentRows<Agents> exchanged_agents(AllProcesses processes, std::span<Id const> i
   return arrived;
 }
 
-/// Puts agents in the order of their Ids.
+/// Sorts agents by their Ids.
 template <class Agents>
 void sort_agents(AgentRows<Agents>& agents) {
   std::vector<std::uint32_t> const rows = rows_in_order(agents.ids);
@@ -124,8 +125,8 @@ void sort_agents(AgentRows<Agents>& agents) {
   agents = std::move(sorted);
 }
 
-/// Gives each process about as many of the agents, in the order of their Ids. Agents with the same Id come to the same
-/// process. All call it.
+/// Divides the agents among the processes in about equal numbers, sorted by their Ids. Agents with the same Id go to
+/// the same process. All processes call it.
 template <class Agents>
 void scatter(AllProcesses processes, AgentRows<Agents>& agents) {
   agents = exchanged_agents<Agents>(processes, agents.ids, agents.values,

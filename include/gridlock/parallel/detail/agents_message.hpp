@@ -13,14 +13,14 @@
 
 namespace gridlock {
 
-/// Adds rows of agents: their Ids, then column by column.
+/// Adds rows of agents to a message: their Ids, then their values column by column.
 template <class AllValues>
 void add_agents(MessageWriter& message, Id const* ids, AllValues const& values, std::span<std::uint32_t const> rows) {
   message.add_chosen(ids, rows);
   values.for_each_column([&](auto const& column) { message.add_chosen(column.data(), rows); });
 }
 
-/// Reads them behind those that are there already.
+/// Reads `count` agents from a message, and appends them to `ids` and `values`.
 template <class AllValues>
 void append_agents(MessageReader& message, std::size_t count, LargeArray<Id>& ids, AllValues& values) {
   std::size_t const before = ids.size();
@@ -30,7 +30,7 @@ void append_agents(MessageReader& message, std::size_t count, LargeArray<Id>& id
   values.for_each_column([&](auto& column) { message.read_into(std::span(column).subspan(before)); });
 }
 
-/// Agents that have come from other ranks in messages of their number and add_agents().
+/// Agents that have arrived in messages from other ranks. A message has the number of agents, then add_agents().
 template <class Agents>
 class ArrivedAgents {
  public:
@@ -41,8 +41,8 @@ class ArrivedAgents {
     append_agents(message, message.next<std::uint64_t>(), ids_, values_);
   }
 
-  /// Puts them in the place of rows that are dropped, which come in order, and behind the last row; and closes what
-  /// gaps are left.
+  /// Writes the arrived agents to the rows `dropped`, which are sorted, and then behind the last row. Moves last rows
+  /// into dropped rows that remain.
   void put_into(LargeArray<Id>& ids, AllValues& values, std::span<std::uint32_t const> dropped) const {
     std::size_t next = 0;
     for (; next < ids_.size() && next < dropped.size(); ++next) put(ids, values, dropped[next], next);

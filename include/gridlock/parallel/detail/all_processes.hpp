@@ -12,21 +12,19 @@ namespace gridlock {
 
 class Communicator;
 
-/// Makes sums and minima over the agents of one process those over the agents of all that share its run. All of them
-/// call each function, in the same order.
-/// Cost: nothing where the process is alone; else a few short messages.
+/// Combines sums and minima over the agents of one process to sums and minima over the agents of all processes of a
+/// run. All processes call each function, in the same order.
+/// Cost: nothing for a run of one process; else a few short messages.
 class AllProcesses {
  public:
   /// This process alone.
   AllProcesses();
-  /// All processes of a communicator, which is converted wherever they are asked for.
+  /// All processes of a communicator; a communicator converts to it.
   AllProcesses(Communicator& communicator) : communicator_(&communicator) {}
 
-  /// The number of this process.
   [[nodiscard]] std::size_t rank() const;
-  /// The number of processes that share the run.
   [[nodiscard]] std::size_t count() const;
-  /// Whether this process is the root: the one that reads and writes files and talks to the user.
+  /// Returns whether this process is the root, which reads and writes files and prints messages to the user.
   [[nodiscard]] bool is_root() const { return rank() == 0; }
 
   void sum(std::span<ExactSum> sums) const;
@@ -37,8 +35,8 @@ class AllProcesses {
   }
   [[nodiscard]] double min(double value) const;
 
-  /// Process after process changes one value of all in their order, and all get the result: so sums over rows in their
-  /// order have the bits of one process. change(value) works on it in place.
+  /// Calls change(value) in one process after the other, each with the value that the last one left, and returns the
+  /// result in all processes. So a sum over rows in their order has the bits of a run of one process.
   template <class Value, class Change>
   [[nodiscard]] Value change_in_order(Value value, Change change) const {
     static_assert(std::is_trivially_copyable_v<Value>);
@@ -46,7 +44,7 @@ class AllProcesses {
     return value;
   }
 
-  /// The value of the root, in all processes.
+  /// Returns the value of the root in all processes.
   template <class Value>
   [[nodiscard]] Value of_root(Value value) const {
     static_assert(std::is_trivially_copyable_v<Value>);
@@ -54,12 +52,12 @@ class AllProcesses {
     return value;
   }
 
-  /// Does some work in all processes: where it fails in one, all fail alike, see parallel/detail/agreement.hpp.
+  /// Does work in all processes; if it fails in one process, all throw its error, see parallel/detail/agreement.hpp.
   void agree(std::function<void()> const& work) const;
-  /// The same with work of the root alone.
+  /// Does work in the root only; if it fails, all processes throw its error.
   void on_root(std::function<void()> const& work) const;
 
-  /// Ends all processes where this one has failed alone and others wait for it.
+  /// Ends all processes if this process has failed alone, since the others wait for it.
   void require_failure_of_all(char const* why) const;
 
   [[nodiscard]] Communicator& communicator() const { return *communicator_; }

@@ -1,7 +1,6 @@
 #pragma once
 
-// Functions that all ranks of a communicator call together, in the same order. With one rank each returns its own
-// argument and sends nothing.
+// Functions that all ranks of a communicator call together, in the same order. With one rank they send nothing.
 
 #include <algorithm>
 #include <bit>
@@ -17,13 +16,13 @@
 
 namespace gridlock {
 
-/// The message of each rank, by rank, on all ranks. Each sends and receives ⌈log₂ ranks⌉ messages.
+/// Returns the messages of all ranks, by rank, on all ranks. Each rank sends and receives ⌈log₂ ranks⌉ messages.
 [[nodiscard]] std::vector<Message> all_gather(Communicator& ranks, Message own);
 
-/// Merges the messages of all ranks; the root gets the result, others nothing. Rank r gets the merged messages of ranks
-/// r + 1, r + 2, r + 4 … as far as they are in its part of the tree, and gives its own to the rank without its lowest
-/// bit: no rank receives more than ⌈log₂ ranks⌉ messages. merge(left, right) returns both as one message, and the ranks
-/// of `right` follow those of `left`.
+/// Merges the messages of all ranks. Returns the result on the root, and an empty message on other ranks. In a tree,
+/// rank r receives the merged messages of ranks r + 1, r + 2, r + 4 … and sends its own to rank r without its lowest
+/// bit: no rank receives more than ⌈log₂ ranks⌉ messages. merge(left, right) returns two messages as one; the ranks of
+/// `right` follow those of `left`.
 ///
 ///     0 ◄─ 1    2 ◄─ 3        0 ◄─ 2        0 ◄─ 4
 template <class Merge>
@@ -39,19 +38,21 @@ Message reduce(Communicator& ranks, Message own, Merge merge) {
   return own;
 }
 
-/// The message of the root, on all ranks, along the same tree the other way; those of others are ignored.
+/// Returns the message of the root on all ranks, sent along the tree of reduce(). The messages of other ranks are
+/// ignored.
 [[nodiscard]] Message broadcast(Communicator& ranks, Message of_root);
 
-/// The message of each rank, by rank, on the root; others get nothing. Along the same tree.
+/// Returns the messages of all ranks, by rank, on the root, and nothing on other ranks; sent along the tree of
+/// reduce().
 [[nodiscard]] std::vector<Message> gather(Communicator& ranks, Message own);
 
-/// Merges the messages of all ranks, for all.
+/// Merges the messages of all ranks, and returns the result on all ranks.
 template <class Merge>
 Message all_reduce(Communicator& ranks, Message own, Merge merge) {
   return broadcast(ranks, reduce(ranks, std::move(own), merge));
 }
 
-/// Combines each number with those of all other ranks by combine(number, other).
+/// Combines numbers[k] of all ranks by combine(number, other), for each k; all ranks get the results.
 template <class Number, class Combine>
 void all_combine(Communicator& ranks, std::span<Number> numbers, Combine combine) {
   if (ranks.count() == 1 || numbers.empty()) return;
@@ -65,7 +66,7 @@ void all_combine(Communicator& ranks, std::span<Number> numbers, Combine combine
   MessageReader(all).read_into(numbers);
 }
 
-/// Each number becomes the sum of those of all ranks.
+/// Replace each number by its sum over all ranks.
 inline void all_sum(Communicator& ranks, std::span<std::uint64_t> counts) {
   all_combine(ranks, counts, [](std::uint64_t& sum, std::uint64_t other) { sum += other; });
 }
@@ -77,7 +78,7 @@ inline std::uint64_t all_sum(Communicator& ranks, std::uint64_t own) {
   return own;
 }
 
-/// The minimum and the maximum of a number of each rank.
+/// Return the minimum and the maximum of the numbers of all ranks.
 template <class Number>
 Number all_min(Communicator& ranks, Number own) {
   all_combine(ranks, std::span(&own, 1), [](Number& min, Number other) { min = std::min(min, other); });
@@ -89,7 +90,7 @@ Number all_max(Communicator& ranks, Number own) {
   return own;
 }
 
-/// The highest bit of the largest key of all ranks, 0 where that is 0.
+/// Returns the largest power of two that is not above the largest key of all ranks; 0 if that key is 0.
 inline std::uint64_t highest_bit_of_all(Communicator& ranks, std::uint64_t max_own) {
   return std::bit_floor(all_max(ranks, max_own));
 }

@@ -7,13 +7,15 @@
 
 namespace gridlock {
 
-/// The root hands a frame to `use`, and all give it their rows block by block, until it returns. `own` are the rows of
-/// this process, in the order of the Ids. All call it. Errors: those of `use`, on all.
+/// Calls `use` on the root with a frame of the rows of all processes, which send their rows block by block until `use`
+/// returns. `own` has the rows of this process, in the order of the Ids. All processes call it. Errors: those of `use`,
+/// on all.
 ///
-/// Here alone one process asks others for something, so that those who write frames need not know of them.
+/// Only here does the root request data from other processes, so that code that writes frames needs no messages.
 void give_rows(AllProcesses processes, Frame const& head, AgentsView const& own, UseFrame const& use);
 
-/// The same as give_rows() for a world of which each process has some agents, in the order of their Ids.
+/// Calls `use` on the root with a frame of a world whose agents processes share. Each has agents in the order of the
+/// Ids.
 template <class Model>
 void give_frame(AllProcesses processes, World<Model> const& own, UseFrame const& use) {
   auto const of_this_process = frame_source_of(own);

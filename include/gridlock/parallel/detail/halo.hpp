@@ -11,11 +11,10 @@
 
 namespace gridlock {
 
-/// The other processes that see cells near the tiles of this one, and the cells they see that each round of its tiles
-/// may change.
+/// The processes that need cells near the tiles of this process, and the cells to send to them after each round.
 ///
-/// In a round the tiles of a process change their own cells and the ring around them; no cell is changed by two
-/// processes in one round. After it each process sends to its neighbours the cells that may have changed.
+/// In a round the tiles of a process change their own cells and the ring of cells around them; no cell is changed by
+/// two processes in one round. After the round each process sends its neighbours the cells that may have changed.
 class Halo {
  public:
   /// Cells that a neighbour sees and that the tiles of a round may change.
@@ -25,9 +24,9 @@ class Halo {
     CellsOfRound(std::vector<int> own, std::vector<int> const& ring);
 
     [[nodiscard]] std::span<int const> all() const { return cells_; }
-    /// The cells of the tiles, whose agents all move.
+    /// Returns the cells of the tiles, in which all agents move.
     [[nodiscard]] std::span<int const> own() const { return all().first(own_); }
-    /// The cells around them, where an agent changes only if it is met or comes in.
+    /// Returns the cells around the tiles, in which an agent changes only if an agent of a tile hits it or enters.
     [[nodiscard]] std::span<int const> ring() const { return all().subspan(own_); }
 
    private:
@@ -36,14 +35,14 @@ class Halo {
   };
   struct Neighbour {
     std::size_t process;
-    CellWindow own;     ///< the cells of its tiles
-    CellWindow seen;    ///< those and the ring around them, which its tiles look at: kept up to date in every round
-    CellWindow window;  ///< all cells that it stores
+    CellWindow own;     ///< the cells of the tiles of the neighbour
+    CellWindow seen;    ///< `own` and the ring around it, which its tiles read: updated after every round
+    CellWindow window;  ///< all cells that the neighbour stores
     std::array<CellsOfRound, Tiling::colours> changed;
   };
 
   Halo() = default;
-  /// The neighbours of this process where each stores `reach` cells around its tiles.
+  /// Finds the neighbours of this process, if each process stores `reach` cells around its tiles.
   Halo(Domain const& domain, int reach);
 
   [[nodiscard]] std::span<Neighbour const> neighbours() const { return neighbours_; }

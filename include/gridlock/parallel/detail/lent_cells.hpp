@@ -11,15 +11,15 @@
 
 namespace gridlock {
 
-/// Cells that processes lend to the one whose turn it is, which takes its turns while all others wait. `Cells` writes
-/// cells into a message, add_cells(message, cells), and puts those of a message in the place of its own,
-/// take_cells(message).
+/// Cells that processes lend to another process, which takes turns of late agents while all others wait. `Cells` has
+/// add_cells(message, cells), which writes cells to a message, and take_cells(message), which replaces cells by those
+/// of a message.
 template <class Cells>
 class LentCells {
  public:
   LentCells(Domain const& domain, Cells& cells) : domain_(domain), cells_(cells) {}
 
-  /// Gets cells from the processes that own them.
+  /// Fetches cells from the processes that own them.
   void borrow(std::span<int const> cells) {
     std::vector<std::vector<int>> const asked = by_owner(cells);
     for (std::size_t owner = 0; owner < asked.size(); ++owner) {
@@ -37,7 +37,7 @@ class LentCells {
     }
   }
 
-  /// Gives the cells back to their owners, and tells all that the turns are over.
+  /// Sends the cells back to their owners, and tells all processes that the turns are over.
   void give_back(std::span<int const> cells, bool have_failed) {
     std::vector<std::vector<int>> const borrowed = by_owner(cells);
     for (std::size_t owner = 0; owner < borrowed.size(); ++owner) {
@@ -50,7 +50,7 @@ class LentCells {
     }
   }
 
-  /// Lends cells to the process whose turn it is, until it has taken its turns. Returns whether one has failed.
+  /// Lends cells to `process` until it has taken its turns. Returns whether one of the turns has failed.
   bool lend_to(std::size_t process) {
     while (true) {
       Message const bytes = processes().receive(process);

@@ -14,10 +14,11 @@
 
 namespace gridlock {
 
-/// Rows of agents between two steps: which processes have to know each, and which do not stay here.
+/// Sends agents to other processes between two steps: lists for each process the rows that it needs, and the rows to be
+/// dropped here.
 ///
-/// Neighbours of a Domain always send each other a message. A row for a process that is none has to be announced:
-/// find_far() here, and is_far() among what the others have announced.
+/// Neighbours of a Domain always send each other a message. To send rows to any other process, announce it by
+/// find_far(), and pass to exchange() the processes that have announced rows for this one.
 template <class Agents>
 class Migration {
  public:
@@ -30,10 +31,9 @@ class Migration {
     dropped_.clear();
     far_.clear();
   }
-  /// A row does not stay.
   void drop(std::uint32_t row) { dropped_.push_back(row); }
-  /// Notes which processes have to know an agent at a point that this process has, and whether it stays. One that
-  /// belongs to another process, but lies in the rim of this one, stays to be seen.
+  /// Lists the agent of a row at `p` for each process that sees the point, and drops the row unless this process sees
+  /// it: in its rectangle or in its rim.
   void address(Domain const& domain, std::uint32_t row, Vector p) {
     bool stays = domain.is_own(p);
     domain.for_each_that_sees(p, [&](std::size_t process) {
@@ -45,7 +45,7 @@ class Migration {
     });
     if (!stays) drop(row);
   }
-  /// The first `rows` rows for which is_dead(row) neither stay nor go anywhere.
+  /// Drops all of the first `rows` rows for which is_dead(row), and sends them to no process.
   template <class IsDead>
   void drop_dead(std::size_t rows, IsDead is_dead) {
     for (std::uint32_t row = 0; row < rows; ++row) {
@@ -56,7 +56,7 @@ class Migration {
     }
   }
 
-  /// The processes that are no neighbours and have to know some rows.
+  /// Returns the processes that need rows but are no neighbours.
   std::span<std::uint64_t const> find_far(Domain const& domain) {
     far_.clear();
     for (std::size_t process = 0; process < rows_to_.size(); ++process) {
@@ -65,14 +65,14 @@ class Migration {
     return far_;
   }
 
-  /// Sends rows to those who have to know them, and takes what has come in the place of those that do not stay.
-  /// `far` are the processes that are no neighbours and have announced some. All call it.
+  /// Sends the listed rows, and replaces dropped rows by the agents that arrive. `far` are the processes that have
+  /// announced rows for this one without being its neighbours. All processes call it.
   void exchange(Domain const& domain, std::span<std::uint64_t const> far, LargeArray<Id>& ids, AllValues& values) {
     exchange_if([&](std::size_t to) { return domain.is_neighbour(to) || is_among(far_, to); },
                 [&](std::size_t from) { return domain.is_neighbour(from) || is_among(far, from); }, domain.processes(),
                 ids, values);
   }
-  /// The same where every process sends a message to every other.
+  /// Does the same as exchange(), but every process sends a message to every other; nothing needs to be announced.
   void exchange_with_all(Domain const& domain, LargeArray<Id>& ids, AllValues& values) {
     auto const always = [](std::size_t /*process*/) { return true; };
     exchange_if(always, always, domain.processes(), ids, values);
@@ -87,7 +87,7 @@ class Migration {
   void exchange_if(SendsTo sends_to, GetsFrom gets_from, Communicator& processes, LargeArray<Id>& ids,
                    AllValues& values) {
     ArrivedAgents<Agents> arrived;
-    // One round for each distance between processes: nobody waits to send before what came earlier has been received.
+    // One round for each distance between ranks, so that messages are received while others are still sent.
     std::size_t const count = processes.count();
     for (std::size_t distance = 1; distance < count; ++distance) {
       std::size_t const to = (processes.rank() + distance) % count;
@@ -106,7 +106,7 @@ class Migration {
     begin();
   }
 
-  std::vector<std::vector<std::uint32_t>> rows_to_;  ///< for each process
+  std::vector<std::vector<std::uint32_t>> rows_to_;  ///< the rows to send to each process
   std::vector<std::uint32_t> dropped_;
   std::vector<std::uint64_t> far_;
 };

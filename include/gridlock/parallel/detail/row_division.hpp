@@ -11,11 +11,11 @@
 
 namespace gridlock {
 
-/// Which rows of all agents each rank has: those of rank 0 come first, then those of rank 1.
+/// The division of the rows of all agents among ranks: the first rows are on rank 0, the next on rank 1, and so on.
 class RowDivision {
  public:
   RowDivision() = default;
-  /// As many for each, as far as that is possible.
+  /// Returns a division in which numbers of rows differ by at most one.
   static RowDivision even(std::uint64_t rows, std::size_t ranks) {
     std::vector<std::uint64_t> begins;
     for (std::uint64_t rank = 0; rank <= ranks; ++rank) {
@@ -33,14 +33,14 @@ class RowDivision {
   [[nodiscard]] std::size_t rank_of(std::uint64_t row) const {
     return static_cast<std::size_t>(std::ranges::upper_bound(begins_, row) - begins_.begin()) - 1;
   }
-  /// The first row of each rank, and the end of all.
+  /// Returns the first row of each rank, and the number of all rows at the end.
   [[nodiscard]] std::span<std::uint64_t const> begins() const { return begins_; }
 
  private:
   std::vector<std::uint64_t> begins_{0};
 };
 
-/// The division in which each rank has so many rows. All call it.
+/// Returns the division in which this rank has `own` rows. All ranks call it.
 RowDivision division_of(AllProcesses processes, std::size_t own);
 
 }  // namespace gridlock

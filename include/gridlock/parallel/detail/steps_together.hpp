@@ -18,7 +18,7 @@
 
 namespace gridlock {
 
-/// The number of steps that all ranks take before the root looks up: for about 20 ms.
+/// Chooses the number of steps between two checks of the stop condition by the root, for about 20 ms of computation.
 class StepsBetweenLooks {
  public:
   explicit StepsBetweenLooks(Communicator const& ranks) : ranks_(ranks) {}
@@ -38,33 +38,33 @@ class StepsBetweenLooks {
   double begin_ = 0.0;
 };
 
-/// The steps that were taken at one go.
+/// The steps taken between two checks of the stop condition.
 struct StepsTaken {
   std::uint64_t whole = 0;
-  bool has_failed = false;  ///< the step after them
+  bool has_failed = false;  ///< whether the next step has failed
 };
 
-/// Where the first turn that failed was, in the order in which one process takes them, and why it failed.
+/// The first turn that failed, in the order of turns in a run of one process, and the reason.
 struct FailedTurn {
   std::uint64_t cell = 0;
   Id agent = 0;
   std::string reason;
 };
 
-/// The answer of ranks after some steps that they have begun together.
+/// The result of some steps on one rank, or on all ranks together.
 struct AnswerOfSteps {
-  bool is_stop_asked = false;            ///< of one of them
-  std::optional<FailedTurn> failure;     ///< the first, in the order of one process
-  std::vector<CountersOfStep> counters;  ///< of each step, where turns keep counters
+  bool is_stop_asked = false;            ///< whether a rank has been asked to stop
+  std::optional<FailedTurn> failure;     ///< the first failure, in the order of turns in a run of one process
+  std::vector<CountersOfStep> counters;  ///< one for each step; empty if turns keep no counters
 };
 
-/// The answer of all ranks together; each hears of it where one is asked to stop. All call it.
+/// Combines the results of all ranks. If one rank has been asked to stop, all are told. All ranks call it.
 AnswerOfSteps answer_of_all(Communicator& ranks, AnswerOfSteps const& own);
 
-/// All ranks take steps, from look to look at the stop condition, which the root alone asks whether to continue.
-/// take(n) takes n steps, or fewer where one fails, adds to the counters what all ranks have counted, and returns what
-/// was done, the same on all ranks. All call it. Returns what the stop condition of the root has thrown; others get a
-/// RunFailure then.
+/// Takes steps on all ranks until the stop condition holds; between blocks of steps the root alone asks it whether to
+/// continue. take(n) takes n steps, or fewer if one fails, adds the counts of all ranks to the counters, and returns
+/// the same result on all ranks. All ranks call it. Returns the exception that the stop condition threw on the root,
+/// and a RunFailure on other ranks; nullptr if it threw none.
 template <class Stop, class Take>
 std::exception_ptr take_steps_together(Communicator& ranks, Clock& clock, double time_step, Counters const& counters,
                                        Stop const& stop, Take take) {
@@ -73,7 +73,7 @@ std::exception_ptr take_steps_together(Communicator& ranks, Clock& clock, double
     std::uint64_t steps = 1;
   };
   auto const steps_until_stop = [&](std::uint64_t most) {
-    // A run that waits for collisions stops at the first step that has enough.
+    // A run with a length in collisions must check after every step.
     if (stop.pair_collisions != Stop().pair_collisions) most = 1;
     Clock coming = clock;
     std::uint64_t steps = 0;
@@ -112,7 +112,7 @@ std::exception_ptr take_steps_together(Communicator& ranks, Clock& clock, double
   return thrown;
 }
 
-/// The root notes what each rank has sent so far. All call it.
+/// Gathers the traffic of all ranks on the root. All ranks call it.
 inline void note_traffic_of_all(Communicator& ranks) {
   std::vector<Message> const traffic = gather(ranks, message_of(ranks.traffic()));
   for (std::size_t rank = 0; rank < traffic.size(); ++rank) {
