@@ -26,9 +26,9 @@
 
 namespace gridlock {
 
-/// The settings `[run]`: the run ends at whichever of its three lengths comes first.
+/// The settings `[run]`: the run ends when it reaches the first of its three lengths.
 struct RunSettings {
-  std::optional<std::uint64_t> steps;  ///< left out: 10,000 where no other length is given
+  std::optional<std::uint64_t> steps;  ///< default: 10,000 if no other length is given
   std::optional<double> time;
   std::optional<double> collisions_per_disk;  ///< 2 · pair collisions / N
   std::uint64_t seed = 1;
@@ -36,22 +36,22 @@ struct RunSettings {
 };
 void describe(RunSettings& settings, SettingVisitor& visitor);
 
-/// The settings `[checkpoint]`: how often a run in a directory saves itself, besides when it is interrupted.
+/// The settings `[checkpoint]`: the time between checkpoints. An interrupted run always writes a checkpoint.
 struct CheckpointSettings {
-  double every_seconds = 60.0;    ///< of real time; 0: never
-  std::uint64_t every_steps = 0;  ///< looked at after every chunk of work; 0: never
-  bool keep_last = true;          ///< whether a finished run keeps one, to be lengthened
+  double every_seconds = 60.0;    ///< real time; 0: never
+  std::uint64_t every_steps = 0;  ///< checked after every chunk of steps; 0: never
+  bool keep_last = true;          ///< whether a finished run keeps a checkpoint, from which it can be lengthened
 };
 void describe(CheckpointSettings& settings, SettingVisitor& visitor);
 
-/// The settings `[model]`: which model is run.
+/// The settings `[model]`: the model of the run.
 struct ModelSettings {
   std::string kind = "disks";
-  std::uint64_t verify_every = 0;  ///< steps between two in which neighbour searches are compared with brute force
+  std::uint64_t verify_every = 0;  ///< steps between comparisons of searches with brute force; 0: never
 };
 void describe(ModelSettings& settings, SettingVisitor& visitor);
 
-/// Everything a run is made from, one member per table of the TOML file.
+/// All settings of a run, one member per table of the TOML file.
 struct Configuration {
   BoxSettings box;
   ModelSettings model;
@@ -59,23 +59,23 @@ struct Configuration {
   VelocitySettings velocities;
   EngineSettings engine;
   SoftSettings soft;
-  std::vector<StageSettings> protocol;  ///< before the run
+  std::vector<StageSettings> protocol;  ///< stages before the run
   RunSettings run;
   ObserveSettings observe;
   CheckpointSettings checkpoint;
   TrajectorySettings trajectory;
-  ModelKinds models = known_models();  ///< each described in a table of its own
+  ModelKinds models = known_models();  ///< each with settings in a table of its own
 
-  /// The model that is run. Errors: Error for one that this program does not have.
+  /// Returns the model of the run. Errors: Error for a model that this program does not have.
   [[nodiscard]] ModelKind const& kind() const;
 };
-/// Describes the tables of settings that every run has, then those of each model that the configuration may be of.
+/// Describes the tables of settings of every run, then those of each model in `models`.
 void describe(Configuration& configuration, SettingVisitor& visitor);
 
-/// describe() of a configuration as the io layer takes it.
+/// Returns describe() of a configuration as a function, for reading and writing settings files.
 Describe describing(Configuration& configuration);
 
-/// The configuration that the settings give, with the defaults for what they leave out.
+/// Returns the configuration of a settings file, with defaults for settings that the file leaves out.
 /// Errors: Error with the place in the file of every key, type or value that cannot be used.
 Configuration read_configuration(SettingsFile const& file);
 

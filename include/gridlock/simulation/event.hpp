@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Notes on a set-up and the milestones of a run, as typed values.
+/// \file Notes on a set-up and events of a run, with typed values.
 ///
 /// ```cpp
 /// Event const event{.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = 100};
@@ -17,75 +16,75 @@
 
 namespace gridlock {
 
-/// How much an event matters: `info` to those who read run.log, `note` and `warning` to everybody.
+/// The severity of an event: `info` appears only in run.log, `note` and `warning` are shown to every user.
 enum class Severity { info, note, warning };
 
 /// The subject of an event.
 enum class EventKind {
-  // A set-up that can be run all the same.
-  unused_setting,       ///< a setting was given on which nothing of the run depends
-  misleading_rule,      ///< the engine has a time step where that is known to mislead
-  note_of_model,        ///< what a model says of its start, in its own words
-  frames_beyond_end,    ///< frames are asked for that lie beyond the end of the run
+  // Notes on a set-up that can be run.
+  unused_setting,       ///< a setting was given that has no effect on the run
+  misleading_rule,      ///< the engine uses time steps under conditions where its results mislead
+  note_of_model,        ///< a note of a model on its start, in its own words
+  frames_beyond_end,    ///< the trajectory settings name frames beyond the end of the run
   nothing_moves,        ///< no disk has a velocity
-  fast_on_ranks,        ///< several processes share disks so fast that those of one wait for those of others
-  start_not_tried,      ///< the start takes long and was left out
-  stage_with_two_ends,  ///< the first one that it reaches ends it
-  velocities_drawn,     ///< the start file has none
-  masses_assumed,       ///< the start file has momenta and no masses, which are 1
-  columns_unused,       ///< of the start file
-  entries_unused,       ///< of the second line of the start file: time and step of another kind than ours
-  disks_folded,         ///< the start file has disks outside its periodic box, which come in through its edges
-  // A run in a directory.
+  fast_on_ranks,        ///< disks are so fast that processes often wait for one another
+  start_not_tried,      ///< the start would take long and was left out
+  stage_with_two_ends,  ///< a stage has two ends; it stops at the first
+  velocities_drawn,     ///< the start file has no velocities
+  masses_assumed,       ///< the start file has momenta and no masses; masses are taken as 1
+  columns_unused,       ///< columns of the start file are not used
+  entries_unused,       ///< in line 2 of the start file, the time and step are in another format
+  disks_folded,         ///< the start file has disks outside its periodic box; their images inside are used
+  // Events of a run in a directory.
   begun,
-  began_again,  ///< from the start, since there is no checkpoint
+  began_again,  ///< the run began from the start, since there is no checkpoint
   resumed,
-  version_changed,  ///< another version saved what is continued
+  version_changed,  ///< another version of the program wrote the checkpoint
   threads_chosen,
   lengthened,
-  equilibration_fitted,  ///< to a new length, so that averages leave out what they have left out so far
+  equilibration_fitted,  ///< changed for a new length, so that averages leave out the same samples as before
   checkpoint_written,
-  checkpoint_failed,       ///< it could not be written, and the run continues
-  checkpoint_damaged,      ///< the newest one; the one before is used
+  checkpoint_failed,       ///< a checkpoint could not be written; the run continues
+  checkpoint_damaged,      ///< the newest checkpoint is damaged; the one before it is used
   stage_not_equilibrated,  ///< swap Monte Carlo was too short
   stage_without_minimum,   ///< a minimization of soft disks gave up
-  stage_without_pressure,  ///< soft disks do not press on each other where the stage ends
-  stage_fell_short,        ///< soft disks press, but a minimum or the end of the stage was not found
-  jamming_not_known,       ///< hard disks grew to a high pressure, which is no sign of jamming
-  packing_not_jammed,      ///< soft disks press where the stage ends, and are not jammed
+  stage_without_pressure,  ///< the pressure of soft disks is 0 at the end of the stage
+  stage_fell_short,        ///< the pressure of soft disks is above 0, but the stage did not find a minimum or its end
+  jamming_not_known,       ///< hard disks grew to a high pressure, which does not show whether they are jammed
+  packing_not_jammed,      ///< the pressure of soft disks is above 0 at the end of the stage, but they are not jammed
   packing_unstable,        ///< the packing gives way to a shear
   packing_gives_way,       ///< the packing gives way to compression, so that its moduli are no averages of a solid
   packing_too_dense,       ///< far above jamming
-  error_not_known,         ///< of averages: the series contradicts it, and it is left out
+  error_not_known,         ///< the series contradicts the standard error of an average, which is left out
   disks_in_cages,          ///< hard disks have collided many times and moved less than a diameter
-  time_stands_still,       ///< hard disks collide and hardly fly
+  time_stands_still,       ///< hard disks collide so often that the time hardly advances
   audited,
-  traffic_counted,  ///< the messages of one of several processes, and its time of waiting
+  traffic_counted,  ///< messages and waiting time of one of several processes
   ended,
 };
 
 using EventValue = std::variant<std::uint64_t, double, std::string>;
 
-/// Something worth telling of a set-up or a run, in values; to_text() says it in words.
+/// A note on a set-up or an event of a run, as values; to_text() returns it as a sentence.
 struct Event {
   EventKind kind = EventKind::unused_setting;
   Severity severity = Severity::note;
-  std::uint64_t step = 0;  ///< of the clock, when it happened
-  std::string key = {};    ///< the setting to look at, where there is one
+  std::uint64_t step = 0;  ///< step of the clock at which it happened
+  std::string key = {};    ///< the setting that it concerns; may be empty
   std::vector<std::pair<std::string, EventValue>> values = {};
-  bool is_default = false;  ///< an unused setting with the value it has anyway, as in a resolved configuration
+  bool is_default = false;  ///< for an unused setting: whether it has its default value
 };
 
-/// The name of a kind, "unused_setting"; and of a severity, "note".
+/// Return the name of a kind, such as "unused_setting", or of a severity, such as "note".
 std::string_view to_text(EventKind kind);
 std::string_view to_text(Severity severity);
 
-/// An event in words, without its severity.
+/// Returns the text of an event, without its severity.
 std::string to_text(Event const& event);
 
-/// What to tell of the events of several set-ups. Unused settings are told of where they are unused in every run and
-/// one run gives another value than the default: a sweep over engines sets what only some of them need. Of other events
-/// it is told in how many runs they hold.
+/// Returns texts on the events of several set-ups. An unused setting is mentioned only if no run uses it and one run
+/// does not have its default, since a sweep over engines has settings that only some engines use. Each other event is
+/// mentioned once, with the number of its runs.
 std::vector<std::string> texts_of(std::vector<std::vector<Event>> const& runs);
 
 }  // namespace gridlock

@@ -34,12 +34,12 @@
 
 namespace gridlock {
 
-/// The observations of a model on its own world, as an observable like any other: the number of agents, how often each
-/// event has happened since the start, and what Model::observe() adds; averages of all but the events.
+/// The observable of a model: the number of agents, the number of times that each event has happened since the start,
+/// and the quantities of Model::observe(); with averages of all but the events.
 template <class Model>
 class ModelObservations final : public AveragingObservable {
  public:
-  /// Keeps a view of the world; where processes share the agents, of those of this one.
+  /// Keeps a reference to the world, which has the agents of this process.
   ModelObservations(Model model, World<Model> const& world) : model_(std::move(model)), world_(world) {}
 
   [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }
@@ -80,9 +80,9 @@ class ModelObservations final : public AveragingObservable {
   World<Model> const& world_;
 };
 
-/// The simulation of a model: its world as Model::start() makes it, stepped by a ModelEngine.
+/// The simulation of a model: the world of Model::start(), advanced by a ModelEngine.
 ///
-/// The series has what the model itself observes first, then every observable whose columns its agents have.
+/// The series has the quantities of the model first, then those of every observable whose columns its agents have.
 template <class Model>
 class ModelSimulation final : public WorldSimulation<Model> {
  public:
@@ -92,7 +92,7 @@ class ModelSimulation final : public WorldSimulation<Model> {
       : ModelSimulation(model, started(model, box, seed), std::make_unique<ModelEngine<Model>>(model, box, settings),
                         observed) {}
 
-  /// From a world that has started, and an engine for it; see WorldSimulation for processes that share them.
+  /// Makes a simulation of a world with its first agents and an engine for it; see WorldSimulation for shared worlds.
   ModelSimulation(Model const& model, World<Model>&& world, std::unique_ptr<EngineFor<Model>> engine,
                   ObserveSettings const& observed, AllProcesses processes = {})
       : WorldSimulation<Model>(std::move(engine), std::move(world), processes) {

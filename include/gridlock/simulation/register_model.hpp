@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Makes a model known by its name to configurations and to the command line.
+/// \file Registers a model under its name, for configurations and the command line.
 ///
 /// ```cpp
 /// struct Walkers {
@@ -39,7 +38,7 @@ namespace gridlock {
 
 namespace detail {
 
-/// Takes Column::value_names where the column has that name and such names.
+/// Sets `names` to Column::value_names if the column is named `name` and has value_names.
 template <class Column>
 void take_value_names(std::string_view name, std::vector<std::string>& names) {
   if constexpr (requires { Column::value_names; }) {
@@ -54,11 +53,11 @@ std::vector<std::string> value_names(std::type_identity<Population<Columns...>>,
   return names;
 }
 
-/// Calls `act`; what is wrong with a model is then one of the settings in its own table, and what its start does wrong
-/// is refused like any other input. Errors: Error.
+/// Calls act(). Errors: an Error or a RunFailure of act() becomes an Error that names the table of settings of the
+/// model.
 void blame_table(std::string_view model, std::function<void()> const& act);
 
-/// A kind without its model: what does not depend on the type.
+/// The part of ModelKindOf that does not depend on the type of the model.
 class AgentsKind : public ModelKind {
  public:
   [[nodiscard]] std::string title(Configuration const& configuration) const override;
@@ -73,15 +72,16 @@ class AgentsKind : public ModelKind {
   AgentsKind() = default;
   AgentsKind(AgentsKind const&) = default;
 
-  /// The settings of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual bool can_be_shared() const { return false; }
-  /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
+  /// Return the number of agents at the start (0 if the model does not tell it), and the least memory in bytes for each
+  /// agent.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
-  /// How many random places the start will try in all, each about 0.15 µs, where the model says so; else 0.
+  /// Returns the number of random positions that the start will try, each about 0.15 µs; 0 if the model does not tell
+  /// it.
   [[nodiscard]] virtual double attempts_at_start(Box const& box, std::uint64_t seed) const = 0;
-  /// Appends to `notes` where the model says that its results mislead. Contract: several processes share it only where
+  /// Makes the simulation, and sets `notes` to the notes of the model. Contract: several processes only if
   /// can_be_shared(). Errors: Error.
   [[nodiscard]] virtual std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings,
@@ -90,7 +90,6 @@ class AgentsKind : public ModelKind {
                                                          AllProcesses processes) const = 0;
 };
 
-/// The kind a model is.
 template <class Model>
 class ModelKindOf final : public AgentsKind {
  public:
@@ -130,7 +129,8 @@ class ModelKindOf final : public AgentsKind {
     }
   }
   [[nodiscard]] std::size_t bytes_per_agent() const override {
-    // The values, their successors and the room to sort them; Id, slot and the place in the grid.
+    // Three copies: the values now, after the step, and sorted; 40 bytes for the Id, the slot and the position in the
+    // grid.
     constexpr std::size_t copies =
         Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled ? 3 : 1;
     return copies * sizeof(typename Model::Agents::Values) + 40;
@@ -157,7 +157,7 @@ class ModelKindOf final : public AgentsKind {
   }
 
  private:
-  /// Fills an empty world, and makes the engine for it.
+  /// Puts the first agents into an empty world, and makes the engine for it.
   [[nodiscard]] std::unique_ptr<EngineFor<Model>> started_engine(World<Model>& world,
                                                                  ModelEngineSettings const& settings,
                                                                  AllProcesses processes) const {
@@ -180,9 +180,9 @@ class ModelKindOf final : public AgentsKind {
 
 }  // namespace detail
 
-/// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the
-/// folder models/. To be called before there are other threads. Errors: Error where a model of that name is known
-/// already.
+/// Registers a model: the program can then run, resume, sweep and draw it by its name (`model.kind`), like the models
+/// of the folder models/. Call it before starting other threads. Errors: Error if a model of this name is already
+/// registered.
 template <class Model>
 void register_model() {
   register_model(std::make_unique<detail::ModelKindOf<Model>>());

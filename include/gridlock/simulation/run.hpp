@@ -27,34 +27,34 @@
 
 namespace gridlock {
 
-/// How far a run has come; handed out a few times a second.
+/// The progress of a run, which is reported a few times a second.
 struct Progress {
   Clock clock;
-  double fraction = 0.0;    ///< of the run that is done, from 0 to 1
-  Preparation preparation;  ///< the stage of the protocol that is carried out; nothing in the run itself
+  double fraction = 0.0;    ///< share of the run that is done, from 0 to 1
+  Preparation preparation;  ///< progress of the protocol; complete in the run itself
   std::uint64_t steps = 0;  ///< steps done in this run
-  double seconds = 0.0;     ///< of real time so far
+  double seconds = 0.0;     ///< real time since the start
   double agent_steps_per_second = 0.0;
-  std::span<ColumnInfo const> columns;  ///< of the series, step and time first
-  /// A value for each of them; empty up to the first sample after the start, where nothing has moved yet.
+  std::span<ColumnInfo const> columns;  ///< columns of the series, step and time first
+  /// One value for each column; empty until the first sample after the start.
   std::span<double const> last_sample;
   [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
 };
 
-/// Called between two steps, and within a long one of exact; returning false ends the run there.
+/// A function called between two steps, or within a long step of `exact`; if it returns false, the run stops.
 using OnProgress = std::function<bool(Progress const&)>;
 
-/// Called between two steps, or within a long one of exact, with the whole simulation up to date, for example to save
-/// it.
+/// A callback between two steps, or within a long step of `exact`, for example to save the simulation, which is then up
+/// to date.
 struct Callback {
-  std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
+  std::function<bool(std::uint64_t steps)> is_due;  ///< called as often as progress is reported
   std::function<void(std::uint64_t steps)> call;
-  /// Called once the run has reached its end, before the sample that may be due only there: what is saved here can go
-  /// on to a later end with the bits of a run that never ended.
+  /// Called at the end of the run, before its last sample: a run saved here can be lengthened, with the same bits as a
+  /// longer run.
   std::function<void(std::uint64_t steps)> call_at_end = {};
 };
 
-/// How far a run has come since its start, in every unit its length can have.
+/// The length of a run so far, in each unit in which a length can be given.
 struct Extent {
   std::uint64_t steps = 0;
   double time = 0.0;
@@ -66,7 +66,7 @@ void serialize(Archive& archive, Extent& extent);
 enum class RunStatus { finished, interrupted, failed };
 char const* to_text(RunStatus status);
 
-/// Writes from a run at steps of its own choice, for example the frames of a trajectory.
+/// A writer writes from a run at steps of its own choice, for example the frames of a trajectory.
 class Writer {
  public:
   Writer() = default;
@@ -74,60 +74,61 @@ class Writer {
   Writer& operator=(Writer const&) = delete;
   virtual ~Writer() = default;
 
-  /// Whether write() is due now, `steps` after the start of the run; asked once for each step the run stops at.
+  /// Returns whether write() is due now, `steps` after the start of the run; called once for each step at which the run
+  /// stops.
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
-  /// The next step after `steps` at which write() is due, `never_reached` where there is none; the run stops there.
+  /// Returns the next step after `steps` at which write() is due, or `never_reached`. The run stops at this step.
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
-  /// `sample` is the row of the series taken at this very step, without step and time; empty where sample_every asks for
-  /// none, also at the end of the run, so that what is written does not depend on how long the run is.
+  /// Writes the present state. `sample` is the row of the series of this step, without step and time. It is empty if
+  /// the step is no multiple of sample_every, also at the end of the run, so that the output does not depend on the
+  /// length of the run.
   virtual void write(Simulation const& simulation, std::span<double const> sample) = 0;
-  /// Flushes what it has written to the disk and serializes how much that is: a run that is restored goes back to it.
+  /// Flushes its files and serializes their lengths: a restored run cuts the files to these lengths.
   virtual void serialize(Archive& archive) = 0;
 };
 
-/// The columns of every series: step and time.
+/// Returns the first columns of every series: step and time.
 std::vector<ColumnInfo> clock_columns();
 
-/// How far a simulation runs, and how often it is sampled and reported.
+/// The length of a run, and how often it takes samples and reports progress.
 struct RunPlan {
   StopCondition stop_condition;
   std::uint64_t sample_every = 100;  ///< steps between samples
-  double equilibration = 0.0;        ///< share of the run left out of averages
-  /// Between two reports within a chunk, or one step if that takes longer; 0: a report after every step.
+  double equilibration = 0.0;        ///< share of the run that averages leave out at its start
+  /// Real time between two reports of progress; 0: a report after every step.
   double seconds_per_look = 0.1;
 };
 
 /// The record of a run of any simulation.
 struct RunRecord {
   RunStatus status = RunStatus::interrupted;
-  std::string failure;  ///< why, for RunStatus::failed
+  std::string failure;  ///< the reason for RunStatus::failed
   Clock clock;
   std::uint64_t steps = 0;
   double time_step = 0.0;
   double seconds = 0.0;  ///< real time, without set-up
   std::size_t agents = 0;
-  Preparation preparation;  ///< by a protocol
+  Preparation preparation;  ///< progress of the protocol
   std::uint64_t state_hash = 0;
   std::vector<Count> counts;
   Table series;  ///< step, time and one column per instantaneous or interval value
   std::vector<ColumnInfo> series_columns;
   std::vector<NamedEstimate> results;
   std::vector<Distribution> distributions;
-  std::vector<Event>
-      notes;  ///< what there is to say of the preparation, the errors of the results and how the agents moved
+  std::vector<Event> notes;  ///< on the preparation, the errors of results and the motion of agents
 
   [[nodiscard]] double agent_steps_per_second() const {
     return seconds > 0.0 ? static_cast<double>(steps) * static_cast<double>(agents) / seconds : 0.0;
   }
 };
 
-/// The loop of a run: chunks of work, samples between them, and reports, also within a chunk.
+/// The loop of a run. It advances the simulation in chunks of steps, takes samples between chunks, and reports
+/// progress.
 ///
-/// A chunk reaches to the next sample or the next frame of a writer, since some engines pay for beginning one.
-/// Samples are taken at the start, at every multiple of sample_every steps and at the end. The bits of the
-/// simulation and of the series depend neither on how often progress is reported nor on interruptions, nor, up to the
-/// sample at the end, on how long the run is.
-/// The simulation must outlive the run.
+/// A chunk ends at the next sample or writer, since starting a chunk costs time in some engines. Samples are taken at
+/// the start, at every multiple of sample_every steps and at the end. The bits of the simulation and of the series
+/// depend neither on how often progress is reported nor on interruptions nor, up to the sample at the end, on the
+/// length of the run. The simulation must outlive the run.
 class Run {
  public:
   Run(Simulation& simulation, RunPlan const& plan);
@@ -136,37 +137,37 @@ class Run {
   /// called again after an interruption.
   RunStatus advance(OnProgress const& on_progress = {}, Callback const& callback = {});
 
-  /// The same, but stops at `step` of the clock at the latest, as an interruption does: no sample is taken there that
-  /// the rest of the run would not take.
+  /// Like advance(), but stops at `step` of the clock at the latest. Such a stop takes no additional sample.
   RunStatus advance_to(std::uint64_t step, OnProgress const& on_progress = {}, Callback const& callback = {});
 
-  /// From now on samples up to `step` of the clock are left out of averages, in place of the share of the plan.
+  /// Makes averages leave out samples up to `step` of the clock, in place of the equilibration of the plan.
   void leave_out_until(std::uint64_t step) { left_out_until_ = step; }
 
-  /// Lets someone look on from now on; it must outlive the run.
+  /// Adds a writer, which must outlive the run.
   void add(Writer& writer) { writers_.push_back(&writer); }
 
-  /// Whether there is nothing left to do but to sample the end.
+  /// Returns whether only the sample at the end is left to do.
   [[nodiscard]] bool has_reached_end() const;
-  /// The share of the run that is done, from 0 to 1.
+  /// Returns the share of the run that is done, from 0 to 1.
   [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
-  /// The series so far, as in record().
+  /// Returns the series so far, as in record().
   [[nodiscard]] Table const& series() const { return series_; }
-  /// Steps from the start to the last step that writers were asked about; nothing before the first.
+  /// Returns the steps from the start to the last stop, at which samples and writers could be due; nothing before the
+  /// first.
   [[nodiscard]] std::optional<std::uint64_t> last_stop() const;
 
-  /// After a run of another length was restored: chooses the share to leave out of averages so that the samples taken
-  /// so far count, or not, as they did, and every later one as in a run that had this share and length from its start.
-  /// The share of the plan stays where it does so already. Returns the share.
+  /// Call it after restoring a run of another length. Chooses the equilibration such that averages keep or leave out
+  /// the same samples as so far, and later samples as in a run with this equilibration and length from its start. Keeps
+  /// the equilibration of the plan if that does so already. Returns the equilibration, a share of the run.
   double fit_equilibration();
 
   [[nodiscard]] RunRecord record() const;
 
-  /// The quantities that the simulation has measured. Errors of averages that the series contradicts are left out, and
-  /// notes say so where they are given.
+  /// Returns the quantities that the simulation has measured. A standard error that the series contradicts is left out,
+  /// with a note in `notes`.
   [[nodiscard]] std::vector<NamedEstimate> results(std::vector<Event>* notes = nullptr) const;
 
-  /// Serializes everything the rest of the run depends on, the simulation with it.
+  /// Serializes everything on which the rest of the run depends, with the simulation.
   void serialize(Archive& archive);
 
  private:
@@ -188,10 +189,11 @@ class Run {
   RateLimiter rate_limiter_;
   Clock first_;
   std::uint64_t pause_at_ = std::numeric_limits<std::uint64_t>::max();
-  std::optional<std::uint64_t> left_out_until_;  ///< in place of the share of the plan
-  std::optional<Clock> last_stop_;               ///< where it was sampled and looked at, if that was due
-  Extent last_left_out_;                  ///< at the last sample that is left out of averages; the first always is
-  std::optional<Extent> first_averaged_;  ///< at the first sample that is not
+  std::optional<std::uint64_t> left_out_until_;  ///< a step of the clock, in place of the equilibration of the plan
+  std::optional<Clock> last_stop_;               ///< the last step at which samples and writers could be due
+  Extent last_left_out_;                  ///< at the last sample that averages leave out; the first sample is always
+                                          ///< left out
+  std::optional<Extent> first_averaged_;  ///< at the first sample that averages include
   std::vector<double> last_row_;
   std::vector<Writer*> writers_;
   double seconds_ = 0.0;  ///< real time of all calls of advance()

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// From a configuration to a simulation that is ready to run.
+/// \file Makes a simulation that is ready to run from a configuration.
 ///
 /// ```cpp
 /// Setup const setup = set_up(SettingsFile::from_path("scenes/paper.toml"));
@@ -29,53 +28,51 @@
 
 namespace gridlock {
 
-/// A run about to start: the simulation, and the configuration with every choice made, so that it gives the same bits
-/// again.
+/// A run that is ready to start: the simulation, and the resolved configuration, which gives the same bits again.
 struct Setup {
   Configuration configuration;
-  std::unique_ptr<Simulation> simulation;  ///< nothing where SetupOptions::on_slow_start has left the start out
-  std::filesystem::path start_file;        ///< the file the state was read from; empty for any other start
+  std::unique_ptr<Simulation> simulation;  ///< nullptr if SetupOptions::on_slow_start left the start out
+  std::filesystem::path start_file;        ///< the file from which the state was read; empty for any other start
   std::vector<Event> notes;
-  double cost_of_move = 1.0;  ///< expected, in moves on cells chosen from the sizes
+  double cost_of_move = 1.0;  ///< expected cost of a move, relative to a move with cells that the program chooses
 };
 
-/// Whether the user has given a setting.
+/// Returns whether the user has given a setting.
 using IsGiven = std::function<bool(std::string_view key)>;
 
-/// Is told how many seconds a random start will take, where that is long; says whether to make it.
+/// A function called with the seconds that a long random start will take; returns whether to make the start.
 using OnSlowStart = std::function<bool(double seconds)>;
 
 /// The options of a set-up besides its configuration.
 struct SetupOptions {
-  /// A slow start that is not to be made is left out, or replaced by a lattice of the same disks so that everything
-  /// else is checked, and noted. Empty: every start is made.
+  /// Called before a slow start. If it returns false, the start is left out, or replaced by a lattice of the same disks
+  /// so that everything else is checked, with a note. Empty: every start is made.
   OnSlowStart on_slow_start = {};
-  std::optional<std::uint64_t> threads = {};  ///< in place of engine.threads, which stays what is recorded
-  AllProcesses processes = {};                ///< those that share the run; this one alone, as a rule
-  std::optional<State> start = {};            ///< disks start from it, in place of what [disks] asks for
-  std::filesystem::path directory = {};       ///< of relative file names; set_up() of a file knows it
-  IsGiven is_given = [](std::string_view) { return false; };  ///< set_up() of a file knows it
+  std::optional<std::uint64_t> threads = {};  ///< used in place of engine.threads, which is still recorded
+  AllProcesses processes = {};                ///< the processes that share the run; default: this process alone
+  std::optional<State> start = {};            ///< the start of the disks, in place of the settings [disks]
+  std::filesystem::path directory = {};       ///< directory of relative file names; set_up() of a file sets it
+  IsGiven is_given = [](std::string_view) { return false; };  ///< set_up() of a file sets it
 };
 
 /// Reads the settings and sets up the run they describe.
-/// Errors: Error with the place in the file of everything that is wrong: keys, types, bounds, and set-ups that cannot
-/// exist or that the engine cannot treat rightly.
+/// Errors: Error with file, line and column of every mistake: keys, types, bounds, and set-ups that are impossible or
+/// that the engine cannot advance correctly.
 /// Cost: with on_slow_start about a second more for random starts of 25,000 disks or more.
 Setup set_up(SettingsFile const& file, SetupOptions const& options = {});
 
-/// The same from a configuration made in code; relative file names are taken from the current directory.
+/// Sets up the run of a configuration made in code; relative file names are in the current directory.
 Setup set_up(Configuration configuration, SetupOptions const& options = {});
 
-/// Where the run ends.
 StopCondition stop_condition_of(Setup const& setup);
 
-/// How far a set-up goes, and what it looks at.
+/// Returns the plan of the run: its length, samples and equilibration.
 RunPlan plan_of(Setup const& setup);
 
-/// The disks of a set-up. Errors: Error for a set-up of another model.
+/// Returns the disks of a set-up. Errors: Error for a set-up of another model.
 State const& disks_of(Setup const& setup);
 
-/// Throws Error for a set-up of another model than the one asked for.
+/// Throws Error for a set-up whose model is not the expected one.
 [[noreturn]] void throw_other_model(Setup const& setup);
 
 }  // namespace gridlock

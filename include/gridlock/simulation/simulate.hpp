@@ -29,7 +29,7 @@ using RunResult = RunResultOf<HardDisks>;
 /// Runs a set-up to its end, sampling every observe.every steps and at the end.
 ///
 /// The bits of world and series do not depend on how often progress is reported.
-/// Errors: Error for a set-up of another model; none for a run that breaks, which ends as RunStatus::failed with its
+/// Errors: Error for a set-up of another model. A run that fails throws nothing: it returns RunStatus::failed with its
 /// partial results.
 template <class Model = HardDisks>
 RunResultOf<Model> simulate(Setup setup, OnProgress const& on_progress = {}) {

@@ -33,18 +33,18 @@
 
 namespace gridlock {
 
-/// How far the preparation of a simulation has come.
+/// The progress of the preparation of a simulation.
 struct Preparation {
   double fraction = 1.0;
-  std::string what;          ///< is being done now: "quench"; empty at the end
-  std::uint64_t work = 0;    ///< grows with everything that is done
-  std::size_t stages = 0;    ///< of the protocol; 0 without one
-  std::size_t finished = 0;  ///< of these
+  std::string what;          ///< the present stage: "quench"; empty at the end
+  std::uint64_t work = 0;    ///< a number that grows with the work done
+  std::size_t stages = 0;    ///< number of stages of the protocol; 0 without a protocol
+  std::size_t finished = 0;  ///< number of finished stages
 };
 
-/// A run advances a simulation: agents of any kind, the rule that moves them and their observables.
+/// A run advances a simulation: agents of any model, the engine that moves them, and observables.
 ///
-/// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
+/// Runs, their directories, trajectories, checkpoints, sweeps and the command line use only these functions.
 class Simulation {
  public:
   Simulation() = default;
@@ -52,73 +52,73 @@ class Simulation {
   Simulation& operator=(Simulation const&) = delete;
   virtual ~Simulation() = default;
 
-  /// Whether advance() may be called; a simulation with a protocol is prepared first.
+  /// Returns whether advance() may be called; a simulation with a protocol must be prepared first.
   [[nodiscard]] virtual bool is_prepared() const { return true; }
-  /// Goes on with the preparation until it has ended or should_continue says no; returns whether it has ended.
-  /// Errors: RunFailure where it cannot end.
+  /// Continues the preparation until it ends or should_continue() returns false; returns whether it has ended. Errors:
+  /// RunFailure if it cannot end.
   virtual bool prepare(std::function<bool()> const& /*should_continue*/) { return true; }
   [[nodiscard]] virtual Preparation preparation() const { return {}; }
-  /// Notes on how the preparation went.
   [[nodiscard]] virtual std::vector<Event> notes() const { return {}; }
 
   [[nodiscard]] virtual Clock clock() const = 0;
-  /// The physical time of one step.
+  /// Returns the physical time of one step.
   [[nodiscard]] virtual double time_step() const = 0;
   [[nodiscard]] virtual Box const& box() const = 0;
-  /// The agents as they are now; see AgentsView for how long it is valid.
+  /// Returns the present agents; see AgentsView for how long the view is valid.
   [[nodiscard]] virtual AgentsView view() const = 0;
   [[nodiscard]] virtual std::size_t agents() const { return view().size(); }
-  /// The bitwise identity of the state.
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
   [[nodiscard]] virtual std::vector<Count> counts() const = 0;
-  /// How often the engine has checked its world, by name, as a part of counts().
+  /// Returns how often the engine has checked its world, as a part of counts().
   [[nodiscard]] virtual std::vector<Count> audits() const { return {}; }
 
-  /// The number that StopCondition::pair_collisions is compared with; 0 for agents that do not collide.
+  /// Returns the number to compare with StopCondition::pair_collisions; 0 for agents that do not collide.
   [[nodiscard]] virtual std::uint64_t pair_collisions() const { return 0; }
 
-  /// The columns of the agents, to be changed between two calls of advance(); see AgentsView for how long they are
-  /// valid.
+  /// Returns the columns of the agents, whose values may be changed between two calls of advance(); see AgentsView for
+  /// how long they are valid.
   [[nodiscard]] virtual std::vector<NamedColumn> columns_of_agents() = 0;
-  /// Goes on with a copy of all columns and Ids, and returns the old memory for those who have arrays of it.
+  /// Copies all columns and Ids to new memory, and returns the old memory, which keeps arrays in it valid.
   [[nodiscard]] virtual std::shared_ptr<void> release_columns() = 0;
-  /// Throws Error for agents that the engine cannot advance rightly; to be asked after changes from outside.
+  /// Throws Error for agents that the engine cannot advance correctly; call it after changing columns.
   virtual void require_valid() const = 0;
 
-  /// Moves on until the stop condition holds; the bits do not depend on the number of threads.
-  /// Errors: RunFailure where an invariant breaks.
+  /// Advances until the stop condition holds; the bits do not depend on the number of threads. Errors: RunFailure if an
+  /// invariant breaks.
   virtual void advance(StopCondition const& stop_condition) = 0;
 
-  /// Measures this too, from now on. Errors: Error where the agents lack a column that it requires.
+  /// Adds an observable, which is measured from now on. Errors: Error if the agents lack a column that it requires.
   virtual void observe(std::unique_ptr<Observable> observable) = 0;
 
-  /// The columns of the series besides step and time.
+  /// Returns the columns of the series besides step and time.
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
-  /// Measures now: one number for each column, or no_value; see Observable::sample().
+  /// Writes one number for each column, or no_value, to `row`; see Observable::sample().
   virtual void sample(std::span<double> row, bool counts_for_average) = 0;
   [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
   [[nodiscard]] virtual std::vector<Distribution> distributions() const = 0;
 
-  /// The processes that share it: they call all functions that speak of all agents together, and get the same.
+  /// Returns the processes that share the simulation. All of them call each function that concerns all agents together,
+  /// and get the same result.
   [[nodiscard]] virtual AllProcesses processes() const { return {}; }
 
-  /// Gives `use` all agents and all columns as they are now, in the root alone where processes share them.
-  /// Errors: those of `use`, in all processes.
+  /// Calls `use` with all present agents and columns; if processes share them, in the root only. Errors: those of
+  /// `use`, in all processes.
   virtual void give_frame(UseFrame const& use) const = 0;
-  /// The same at once.
+  /// Returns all present agents and columns; if processes share them, in the root only.
   [[nodiscard]] Frame frame() const {
     Frame all;
     give_frame([&](FrameSource const& frame) { all = frame.whole(); });
     return all;
   }
 
-  /// The contacts of the agents, where a protocol has just ended in a minimum of their energy.
+  /// Returns the contacts of the agents if a protocol has just ended in a minimum of their energy.
   [[nodiscard]] virtual std::optional<FrameContacts> contacts() const { return std::nullopt; }
 
-  /// Everything that the rest of the run depends on: state, counts, and what the observables have gathered. Restored
-  /// into a simulation made from the same configuration, the run continues with the same bits.
+  /// Serializes everything on which the rest of the run depends: state, counts and data of the observables. Restored
+  /// into a simulation from the same configuration, the run continues with the same bits.
   virtual void serialize(Archive& archive) = 0;
-  /// All processes that share it have restored their parts. Errors: Error, in all, for what cannot be continued.
+  /// Called in all processes after each has restored its part. Errors: Error, in all processes, for a state that cannot
+  /// be continued.
   virtual void take_restored() {}
 };
 

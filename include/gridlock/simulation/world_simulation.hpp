@@ -14,7 +14,7 @@
 
 namespace gridlock {
 
-/// A world of any model, the engine that advances it and what is measured of it.
+/// A world of any model, the engine that advances it, and its observables.
 ///
 /// ```cpp
 /// auto const fastest = [](DiskSimulation& simulation) {
@@ -25,7 +25,7 @@ namespace gridlock {
 template <class Model>
 class WorldSimulation : public Simulation {
  public:
-  /// `world` has the agents of this process; the engine is one of all processes that share it.
+  /// `world` has the agents of this process; `engine` is made for all processes that share the world.
   WorldSimulation(std::unique_ptr<EngineFor<Model>> engine, World<Model>&& world, AllProcesses processes = {})
       : world_(std::move(world)), engine_(std::move(engine)), processes_(processes) {
     count_agents();
@@ -34,7 +34,7 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] World<Model> const& world() const { return world_; }
   [[nodiscard]] Counters const& counters() const { return counters_; }
 
-  /// Measures from now on what the settings ask for, as far as this world has what an observable requires.
+  /// Adds the observables of the settings whose required columns this world has.
   void observe(ObserveSettings const& settings, DynamicsTraits const& dynamics) {
     for (auto& observable : make_observables(settings, snapshot(), dynamics)) observables_.add(std::move(observable));
   }
@@ -81,9 +81,9 @@ class WorldSimulation : public Simulation {
 
   void serialize(Archive& archive) override {
     serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });
-    // A file can hold anything.
+    // A file can hold any values.
     if (archive.is_restoring()) engine_->require_valid(world_);
-    // Those of other processes are added by take_restored().
+    // take_restored() adds the agents of other processes.
     agents_ = archive.is_restoring() ? world_.agents.size() : agents_;
     serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
     serialize_inside(archive, "engine", [&] { engine_->serialize(archive, world_); });
@@ -96,7 +96,7 @@ class WorldSimulation : public Simulation {
 
  private:
   [[nodiscard]] Snapshot snapshot() const { return {world_, counters_, processes_, agents_, attached_}; }
-  /// After agents were born, died, or came to other processes.
+  /// Updates the count of agents and the attached columns after births, deaths and moves to other processes.
   void find_agents_again() {
     count_agents();
     attached_.migrate(processes_, world_.agents.ids());
@@ -107,12 +107,11 @@ class WorldSimulation : public Simulation {
   Counters counters_;
   std::unique_ptr<EngineFor<Model>> engine_;
   AllProcesses processes_;
-  std::size_t agents_ = 0;    ///< of all processes
-  AttachedColumns attached_;  ///< what observables note for each agent
+  std::size_t agents_ = 0;    ///< number of agents of all processes
+  AttachedColumns attached_;  ///< values that observables keep for each agent
   ObservableSet observables_;
 };
 
-/// Hard disks, whichever engine moves them.
 using DiskSimulation = WorldSimulation<HardDisks>;
 
 }  // namespace gridlock

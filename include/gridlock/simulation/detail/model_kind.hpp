@@ -25,10 +25,10 @@ struct SettingTable {
   std::function<void(SettingVisitor&)> describe;
 };
 
-/// Something that a run needs memory for.
+/// A demand of a run for memory.
 struct MemoryDemand {
   std::string what;
-  std::string key;  ///< the setting to blame
+  std::string key;  ///< the setting that causes the demand
   double bytes = 0.0;
   std::string hint;
 };
@@ -44,49 +44,47 @@ class ModelKind {
 
   [[nodiscard]] virtual std::string_view name() const = 0;
   [[nodiscard]] virtual std::string_view documentation() const = 0;
-  /// The name of its agents.
   [[nodiscard]] virtual std::string_view agents_name() const { return "agents"; }
-  /// The name of what advances the agents: "model flocking", "engine exact".
+  /// Returns the name of the model or engine that advances the agents: "model flocking", "engine exact".
   [[nodiscard]] virtual std::string title(Configuration const& configuration) const = 0;
-  /// The names of the numbers 0, 1, 2 … of a column of its agents; empty where the model gives them none.
+  /// Returns the names of the values 0, 1, 2 … of a column of its agents; empty if the values have no names.
   [[nodiscard]] virtual std::vector<std::string> value_names(std::string_view column) const = 0;
 
-  /// The tables of its settings, besides those of every run.
+  /// Returns the tables of its settings, without those of every run.
   [[nodiscard]] virtual std::vector<SettingTable> tables(Configuration& configuration) = 0;
-  /// The setting because of which a run does not depend on another one, with its value: `engine.grid = "packed"`. Empty
-  /// where it may depend on it.
+  /// Returns the setting, with its value, that makes the setting `key` have no effect: `engine.grid = "packed"`. Empty
+  /// if `key` may have an effect.
   [[nodiscard]] virtual std::string unused_because_of(Configuration const& configuration,
                                                       std::string_view key) const = 0;
-  /// Whether more threads than one are of any use.
+  /// Returns whether more than one thread makes a run faster.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
-  /// The part of a run that several processes cannot share, its setting and a hint; nothing where they can share all.
+  /// Returns the part of a run that several processes cannot share, with its setting and a hint; nothing if they can.
   [[nodiscard]] virtual std::optional<Problem> not_shared(Configuration const& configuration) const;
-  /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
-  /// Whether a run can be given a length in collisions.
+  /// Returns whether a run can be given a length in collisions.
   [[nodiscard]] virtual bool counts_collisions() const { return false; }
-  /// The settings that pick among several dynamics of this model, for summary.json: "engine" and its kind.
+  /// Returns the settings that select the dynamics of this model, for summary.json: "engine" and its kind.
   [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> choices(
       Configuration const& /*configuration*/) const {
     return {};
   }
 
-  /// The demands of the agents for memory, as far as the settings say; on the low side.
+  /// Returns lower bounds on the memory that the agents need, as far as the settings determine them.
   [[nodiscard]] virtual std::vector<MemoryDemand> memory(Configuration const& configuration) const = 0;
-  /// The bytes that a run of so many agents is expected to need.
+  /// Returns the bytes that a run of `agents` agents is expected to need.
   [[nodiscard]] virtual double expected_bytes(Configuration const& configuration, std::size_t agents) const = 0;
 
-  /// Refuses settings with which no run is possible, as far as that is plain without a start. Errors: Error.
+  /// Refuses settings with which no run is possible, as far as this can be checked without a start. Errors: Error.
   virtual void check(Configuration const& configuration) const = 0;
-  /// Fills in what was left out of setup.configuration, makes the simulation, and notes what is worth telling.
-  /// All processes that share the run call it. Errors: Error, in all of them.
+  /// Fills in the settings that setup.configuration leaves out, makes the simulation, and adds notes. All processes
+  /// that share the run call it. Errors: Error, in all processes.
   virtual void build(Setup& setup, SetupOptions const& options) const = 0;
 
  protected:
   ModelKind(ModelKind const&) = default;
 };
 
-/// Kinds of model, each with its own settings; copies are independent.
+/// The models of a configuration, each with its own settings; a copy has settings of its own.
 class ModelKinds {
  public:
   ModelKinds() = default;
@@ -103,7 +101,7 @@ class ModelKinds {
   void add(std::unique_ptr<ModelKind> kind) { kinds_.push_back(std::move(kind)); }
 
   [[nodiscard]] std::vector<std::unique_ptr<ModelKind>> const& all() const { return kinds_; }
-  /// The kind of that name, or nothing.
+  /// Returns the model named `name`, or nullptr.
   [[nodiscard]] ModelKind const* find(std::string_view name) const {
     for (auto const& kind : kinds_) {
       if (kind->name() == name) return kind.get();
@@ -113,7 +111,7 @@ class ModelKinds {
   void remove(std::string_view name) {
     std::erase_if(kinds_, [&](auto const& kind) { return kind->name() == name; });
   }
-  /// Forgets all others.
+  /// Removes all models but the one named `name`.
   void keep_only(std::string_view name) {
     std::erase_if(kinds_, [&](auto const& kind) { return kind->name() != name; });
   }
@@ -122,14 +120,14 @@ class ModelKinds {
   std::vector<std::unique_ptr<ModelKind>> kinds_;
 };
 
-/// Hard disks, and those of the folder models/.
+/// Returns hard disks and the models of the folder models/.
 ModelKinds shipped_models();
 
-/// The models that a Configuration knows from the start: the shipped ones and those that register_model() was told of.
+/// Returns the models of a new Configuration: shipped_models() and those added by register_model().
 ModelKinds known_models();
-/// Errors: Error where a model of that name is known already.
+/// Registers a model. Errors: Error if a model of this name is already registered.
 void register_model(std::unique_ptr<ModelKind> kind);
-/// Forgets a model that register_model() was told of; configurations that know it keep it.
+/// Removes a model that register_model() added; existing configurations keep it.
 void forget_model(std::string_view name);
 
 }  // namespace gridlock

@@ -8,11 +8,11 @@
 
 namespace gridlock {
 
-/// Rate limiter for loops whose iterations take an unpredictable time: is_due(), called once an iteration, returns true
-/// about once every `seconds`. Cost: a count, and a few readings of the clock between two such times.
+/// A rate limiter for loops whose iterations take an unpredictable time: is_due(), called once an iteration, returns
+/// true about once every `seconds`. Cost: a count, and a few readings of the clock for each time it returns true.
 class RateLimiter {
  public:
-  /// `now` tells seconds that never go back; for tests.
+  /// `now` returns seconds that never decrease; tests pass a clock of their own.
   explicit RateLimiter(double seconds, std::function<double()> now = seconds_of_steady_clock)
       : seconds_(seconds), now_(std::move(now)), last_look_(now_()), last_reading_(last_look_) {}
 
@@ -21,7 +21,7 @@ class RateLimiter {
     double const now = now_();
     double const each = (now - last_reading_) / static_cast<double>(pieces_);
     pieces_since_look_ += pieces_;
-    // Pieces may come to take longer: never many more without a look at the clock than there were between two looks.
+    // Iterations may become slower: the clock is read again after at most twice the iterations of the last period.
     double const most = 2.0 * static_cast<double>(std::max(pieces_since_look_, pieces_between_looks_));
     bool const is_due = now - last_look_ >= seconds_;
     if (is_due) {
@@ -45,10 +45,10 @@ class RateLimiter {
   std::function<double()> now_;
   double last_look_;
   double last_reading_;
-  std::uint64_t pieces_ = 0;  ///< since the last reading
+  std::uint64_t pieces_ = 0;  ///< iterations since the clock was last read
   std::uint64_t pieces_to_reading_ = 1;
   std::uint64_t pieces_since_look_ = 0;
-  std::uint64_t pieces_between_looks_ = 0;  ///< between the last two
+  std::uint64_t pieces_between_looks_ = 0;  ///< iterations between the last two times that is_due() returned true
 };
 
 }  // namespace gridlock
