@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Observables measure a run: the interface, its settings and the shipped ones.
+/// \file Observables measure quantities of a run: their interface, settings and list.
 ///
 /// ```cpp
 /// State state{.box = Box(1.0, 1.0, Edge::wall)};
@@ -35,19 +34,19 @@
 
 namespace gridlock {
 
-/// An observable is defined in a world that has all of this.
+/// The columns and counters that a world must have for an observable.
 struct Requirements {
   std::vector<std::string_view> columns;
-  bool collisions = false;  ///< Counters are kept: pair collisions, wall hits, impulses
+  bool collisions = false;  ///< whether it needs Counters: pair collisions, wall hits, impulses
 };
 
 /// One column of a table.
 struct ColumnInfo {
-  std::string name;  ///< full and unique: the key in summary.json and the head of the column in series.csv
-  std::string unit;  ///< in the units of the box, the masses and the velocities; empty for pure numbers
+  std::string name;  ///< unique: the key in summary.json, and the name of the column in series.csv
+  std::string unit;  ///< from the units of the box, masses and velocities; empty for pure numbers
   std::string documentation;
-  std::string former_name = {};  ///< its name in earlier versions
-  bool is_count = false;         ///< whole numbers, written without a point
+  std::string former_name = {};  ///< the name in earlier versions
+  bool is_count = false;         ///< values are whole numbers, written without a decimal point
 };
 
 struct NamedEstimate {
@@ -56,23 +55,23 @@ struct NamedEstimate {
   std::string unit;
 };
 
-/// A measured curve; becomes `name`.csv.
+/// A measured curve, written to the file `name`.csv.
 struct Distribution {
   std::string name;
   std::vector<ColumnInfo> columns;
   std::vector<std::vector<double>> columns_of_values;  ///< one vector per column, all of the same length
-  std::vector<std::string> names = {};                 ///< of the rows: the column "name" behind the first; or none
+  std::vector<std::string> names = {};                 ///< names of the rows, written as column 2, "name"; may be empty
 };
 
-/// A cell of a row without a value: not defined at this time, or not measured in this sample. Tables leave it empty.
+/// The entry of a row for a quantity that is not defined, or not measured in this sample. Tables leave it empty.
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-/// Something measured along a run: a few numbers at every sample, and their averages at the end.
+/// A quantity that is measured during a run: a few numbers at every sample, and their averages at the end.
 ///
-/// The run calls begin() once, then sample() at every sampled time in order (the start may be one), then results() and
-/// distributions(). The state may be reordered between samples; Ids keep their meaning. Where several processes share
-/// the run, each has the same observables and calls them together: what is measured of all agents is written with the
-/// functions of Snapshot, and no observable can tell one process from many.
+/// The run calls begin() once, then sample() at every sampled time in order (perhaps also at the start), then results()
+/// and distributions(). Rows may change between samples; Ids do not. If several processes share the run, each has the
+/// same observables and calls them together. Observables compute sums over all agents by the functions of Snapshot, so
+/// that their code is the same for one process and for many.
 class Observable {
  public:
   Observable() = default;
@@ -80,57 +79,57 @@ class Observable {
   Observable& operator=(Observable const&) = delete;
   virtual ~Observable() = default;
 
-  /// The columns and counters that it needs in such a box. A simulation has the observables whose needs its world
+  /// Returns the columns and counters that it needs in a box. A simulation has the observables whose needs its world
   /// meets.
   [[nodiscard]] virtual Requirements requirements(Box const& box) const = 0;
 
-  /// The columns this observable fills in each row; the same from begin() on.
+  /// Returns the columns that it fills in each row; they do not change after begin().
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
 
-  /// Forgets everything and starts to measure from this time.
+  /// Deletes all data, and starts to measure from this time.
   virtual void begin(Snapshot const& start) = 0;
 
-  /// Measures now: writes one number per column, or `no_value`. Rates are those since the previous sample (or since
-  /// begin), and enter the averages with that interval's duration.
-  /// `counts_for_average` says whether this snapshot, and the interval that ends with it, enter averages.
-  /// Contract: row.size() == columns().size().
+  /// Writes one number per column, or `no_value`, to `row`. A rate is measured since the previous sample (or since
+  /// begin()), and is weighted in averages by this time interval. If `counts_for_average`, the snapshot and the
+  /// interval that ends with it enter averages. Contract: row.size() == columns().size().
   virtual void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) = 0;
 
-  /// The averages over what counted, and the final values of what grows with time; only finite numbers. What is not
-  /// defined (a rate of no time, a pressure of no disks) is left out.
+  /// Returns averages, and the final values of quantities that grow with time. Quantities that are not defined (a rate
+  /// over no time, a pressure of no disks) are left out, so that all numbers are finite.
   [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
 
-  /// The measured curves, averaged over what counted; those without a sample are left out.
+  /// Returns the measured curves, averaged over samples that count; a curve without a sample is left out.
   [[nodiscard]] virtual std::vector<Distribution> distributions() const { return {}; }
 
-  /// Serializes what was gathered since begin(); restored after a begin() at the same start, it measures on as if it
-  /// had never stopped.
+  /// Serializes the data since begin(). Restored after a begin() at the same start, it gives the same results as
+  /// without a stop.
   virtual void serialize(Archive& archive) = 0;
 };
 
 /// The settings `[observe]`.
 struct ObserveSettings {
   std::uint64_t every = 100;            ///< steps between samples
-  double equilibration = 0.2;           ///< share of the run left out of averages
+  double equilibration = 0.2;           ///< share of the run that averages leave out at its start
   std::uint64_t structure_every = 10;   ///< samples between measurements of ψ6 and g(r); 0 for none
-  double pair_correlation_range = 5.0;  ///< in mean diameters
+  double pair_correlation_range = 5.0;  ///< largest distance of g(r), in mean diameters
   std::uint64_t pair_correlation_bins = 250;
-  double speed_range = 3.0;  ///< in root mean square speeds of the lightest disks
+  double speed_range = 3.0;  ///< largest speed, in root mean square speeds of the lightest disks
   std::uint64_t speed_bins = 60;
-  std::uint64_t velocity_origin_every = 0;  ///< samples between origins of the velocity autocorrelation; 0: one
+  std::uint64_t velocity_origin_every = 0;  ///< samples between time origins of the velocity autocorrelation; 0: one
+                                            ///< origin
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
 /// The properties of an engine on which observables depend.
 struct DynamicsTraits {
-  bool keeps_counters = true;  ///< see Requirements::collisions
-  bool halts_moves = true;     ///< agents move in turns, which end where they would overlap
+  bool keeps_counters = true;  ///< whether it keeps Counters, see Requirements::collisions
+  bool halts_moves = true;     ///< whether a move ends where disks would overlap
 };
 
-/// Every observable whose requirements such a world meets, ready to sample: begun at `start`.
+/// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only.
+/// structure_every is 0. Quantities of walls exist only in boxes with walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -139,10 +138,10 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
 /// Throws Error for an observable that requires a column which the agents lack.
 void require_columns(Observable const& observable, Snapshot const& start);
 
-/// The columns of all of them, as they are for disks between walls, where most is measured.
+/// Returns the columns of all observables, for disks in a box with walls, which have the most columns.
 std::vector<ColumnInfo> observed_columns();
 
-/// An observable whose every column is averaged over the samples that count: a derived class only measures.
+/// An observable that averages every column over the samples that count: a derived class only measures.
 ///
 /// ```cpp
 /// struct Crowding : AveragingObservable {
@@ -157,14 +156,14 @@ std::vector<ColumnInfo> observed_columns();
 class AveragingObservable : public Observable {
  public:
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return columns_; }
-  /// One estimate per column that ever had a value that counted.
+  /// Returns one estimate for each column with a value that counted.
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
 
-  /// Serializes the averages; a derived class with more to serialize adds that.
+  /// Serializes the averages; a derived class with more data overrides it and calls it.
   void serialize(Archive& archive) override { gridlock::serialize(archive, "averages", averages_); }
 
  protected:
-  /// Sets the columns and forgets all averages; for begin().
+  /// Sets the columns and deletes all averages; begin() calls it.
   void reset(std::vector<ColumnInfo> columns);
 
   /// Adds one finite value of a column to its average.

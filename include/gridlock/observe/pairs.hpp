@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// The pairs of near agents of a snapshot.
+/// \file The pairs of agents of a snapshot that are nearer than a cutoff.
 ///
 /// ```cpp
 /// State state{.box = Box(4.0, 3.0, Edge::periodic)};
@@ -28,12 +27,12 @@
 
 namespace gridlock {
 
-/// The points of a part of the box, and those around it as far as a cutoff: each agent is an own one of one process,
-/// which has all of its neighbours too. A process that is alone has all agents, in the order of their rows.
-/// Contract: as for Snapshot::pairs(). All processes make theirs together.
+/// The points that a process owns, in its part of the box, and copies of all points within a cutoff around this part.
+/// Each agent is owned by one process, which has all of its neighbours too. In a run of one process it owns all agents,
+/// in the order of their rows. Contract: that of Snapshot::pairs(). All processes construct it together.
 class LocalPoints {
  public:
-  /// `count` is the number of points of all processes, (x[i], y[i]) are some of them.
+  /// `count` is the number of points of all processes, (x[i], y[i]) are the points of this process.
   LocalPoints(Box const& box, std::span<double const> x, std::span<double const> y, double cutoff,
               Communicator& processes, std::size_t count);
   LocalPoints(Snapshot const& now, double cutoff)
@@ -42,19 +41,19 @@ class LocalPoints {
   LocalPoints(LocalPoints const&) = delete;
   LocalPoints& operator=(LocalPoints const&) = delete;
 
-  /// Points 0 … own() − 1 are the own ones, those up to size() lie around them.
+  /// Returns the number of owned points: 0 … own() − 1. Points own() … size() − 1 lie around them.
   [[nodiscard]] std::size_t own() const { return own_; }
   [[nodiscard]] std::size_t size() const { return points_.x.size(); }
 
-  /// Calls visit(i, j, separation) once for every pair with an own point, and for some pairs without, where
-  /// separation = r_j − r_i.
+  /// Calls visit(i, j, separation) once for every pair with an owned point, and for some other pairs; separation = r_j
+  /// − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
     gridlock::for_each_pair(points_, *grid_, cutoff_, std::move(visit));
   }
 
  private:
-  std::vector<double> x_, y_;  ///< empty where the points of the caller are all
+  std::vector<double> x_, y_;  ///< empty if the points of the caller are used directly
   double cutoff_;
   PointsInBox points_;
   std::size_t own_;

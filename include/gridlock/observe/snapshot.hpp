@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// An observable sees a world through a snapshot, which has the sums over all of its agents.
+/// \file A snapshot gives observables the agents of a world, and sums over all of its agents.
 ///
 /// ```cpp
 /// State state{.box = Box(2.0, 1.0, Edge::wall)};
@@ -49,25 +48,24 @@ struct MeasuredMotion {
 
 /// Two agents nearer than a cutoff.
 struct NearPair {
-  std::size_t i;      ///< place of the first; in one process its row
-  std::size_t j;      ///< place of the second
-  Vector separation;  ///< r_j − r_i, around a periodic box
-  /// How many of the two belong to this process: the sum of it over the pairs of all processes is twice the number of
+  std::size_t i;      ///< number of the first agent: in a run of one process its row
+  std::size_t j;      ///< number of the second agent
+  Vector separation;  ///< r_j − r_i, to the nearest image in a periodic box
+  /// Number of the two agents that this process owns: its sum over the pairs of all processes is twice the number of
   /// pairs.
   std::uint32_t own;
 };
 
-/// A world of any model at one time: the agents, and what has happened since the start of the run.
+/// A world of any model at one time: the agents, the clock, and the counters since the start of the run.
 ///
-/// A run that several processes share has a snapshot in each, with some of the agents: `agents` are those of this
-/// process, and the functions below speak of all. Each process calls them, in the same order, and gets the same bits;
-/// the bits are those of one process. An observable that is written with them measures the same on any number of
-/// processes.
+/// If several processes share a run, each has a snapshot with the agents of this process in `agents`, while the
+/// functions below combine all agents. Each process calls them in the same order, and gets the same bits as a run of
+/// one process. So an observable that uses them gives the same results on any number of processes.
 struct Snapshot {
   template <class Model>
   Snapshot(World<Model> const& world, Counters const& what_happened)
       : Snapshot(world, what_happened, AllProcesses(), world.agents.size()) {}
-  /// One of several processes, which have `count` agents together.
+  /// Makes the snapshot of one of several processes, which have `count` agents together.
   template <class Model>
   Snapshot(World<Model> const& world, Counters const& what_happened, AllProcesses sharing, std::size_t count,
            AttachedColumns attached_to_agents = {})
@@ -79,11 +77,11 @@ struct Snapshot {
         count_(count),
         attached_(std::move(attached_to_agents)) {}
 
-  /// The number of agents.
+  /// Returns the number of agents of all processes.
   [[nodiscard]] std::size_t count() const { return count_; }
 
-  /// Σ_i term_of(i) over all agents, where i is a row of `agents`; term_of() returns a number, or an array of numbers
-  /// that are added each for itself. The sum is exact and rounded once, so it does not depend on the order of the rows.
+  /// Returns Σ_i term_of(i) over all agents, where i is a row of `agents`; term_of() returns a number, or an array of
+  /// numbers with a sum for each. The sum is exact and rounded once, so it does not depend on the order of the rows.
   /// Cost: about 1 ns a term.
   template <class TermOf>
   requires std::invocable<TermOf&, std::size_t>
@@ -96,37 +94,37 @@ struct Snapshot {
       return values_of_sums<std::tuple_size_v<Term>>(term_of);
     }
   }
-  /// Each sum over the agents of this process becomes that over all.
+  /// Replaces each sum over the agents of this process by the sum over all agents.
   void sum(std::span<ExactSum> sums) const { processes.sum(sums); }
-  /// Each count of agents of this process becomes that of all.
+  /// Replaces each count of agents of this process by the count of all agents.
   void counts(std::span<std::uint64_t> own) const { processes.sum(own); }
 
-  /// min_i value_of(i) over all agents; infinity for none.
+  /// Returns min_i value_of(i) over all agents; infinity for no agents.
   template <class ValueOf>
   [[nodiscard]] double min(ValueOf value_of) const {
     double min = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < agents.size(); ++i) min = std::min<double>(min, value_of(i));
     return processes.min(min);
   }
-  /// max_i value_of(i) over all agents; −infinity for none.
+  /// Returns max_i value_of(i) over all agents; −infinity for no agents.
   template <class ValueOf>
   [[nodiscard]] double max(ValueOf value_of) const {
     return -min([&](std::size_t i) { return -static_cast<double>(value_of(i)); });
   }
 
-  /// Calls visit(NearPair) for every pair of agents nearer than the cutoff, some of which are of this process; see
+  /// Calls visit(NearPair) for every pair nearer than the cutoff with an agent of this process. Include
   /// gridlock/observe/pairs.hpp, which defines it. Contract: the agents have x and y; in a periodic box the cutoff is
   /// at most half the shorter side.
   /// Cost: O(N) for a cutoff of a few diameters.
   template <class Visit>
   void pairs(double cutoff, Visit visit) const;
 
-  /// Attaches value_of(i) to each agent, for snapshots that come later: attached.find(id, row) finds it again.
+  /// Attaches value_of(i) to each agent: in later snapshots, find(id, row) of the result returns the value.
   template <class Value, class ValueOf>
   [[nodiscard]] Attached<Value> attached(ValueOf value_of) const {
     return Attached<Value>(attached_, agents, std::move(value_of));
   }
-  /// Attaches values to no agent yet: what is restored from a checkpoint is put there.
+  /// Attaches no values yet; values restored from a checkpoint are put there.
   template <class Value>
   [[nodiscard]] Attached<Value> attached() const {
     return Attached<Value>(attached_);
@@ -134,10 +132,11 @@ struct Snapshot {
 
   Box const& box;
   Clock clock;
-  AgentsView agents;                                  ///< those of this process
-  Counters const& counters;                           ///< of all processes
-  AllProcesses processes;                             ///< those that share the run; this one alone, as a rule
-  mutable std::optional<MeasuredMotion> motion = {};  ///< kept for the next observable that asks
+  AgentsView agents;                                  ///< agents of this process
+  Counters const& counters;                           ///< sums over all processes
+  AllProcesses processes;                             ///< processes that share the run
+  mutable std::optional<MeasuredMotion> motion = {};  ///< stored by the first observable that computes it, for the
+                                                      ///< others
 
  private:
   template <std::size_t terms, class TermsOf>
@@ -151,7 +150,7 @@ struct Snapshot {
   }
 
   std::size_t count_;
-  AttachedColumns attached_;  ///< to the agents of the simulation
+  AttachedColumns attached_;  ///< columns attached to the agents of the simulation
 };
 
 }  // namespace gridlock

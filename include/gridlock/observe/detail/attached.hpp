@@ -18,7 +18,7 @@
 
 namespace gridlock {
 
-/// Values of some agents, which follow them from process to process.
+/// Values of agents, which move with their agents from process to process.
 class AttachedColumn {
  public:
   AttachedColumn() = default;
@@ -26,12 +26,12 @@ class AttachedColumn {
   AttachedColumn& operator=(AttachedColumn const&) = delete;
   virtual ~AttachedColumn() = default;
 
-  /// The values go to the processes that have the agents now; `own` are those of this one, in the order of the Ids.
-  /// All call it. Cost: a comparison for each agent, and messages for those that have come to another process.
+  /// Sends the values to the processes that have the agents now; `own` are the Ids of this process, in order. All
+  /// processes call it. Cost: a comparison for each agent, and messages for agents that have moved to other processes.
   virtual void migrate(AllProcesses processes, std::span<Id const> own) = 0;
 };
 
-/// All columns that are attached to the agents of a simulation; each as long as somebody has it.
+/// All columns attached to the agents of a simulation; a column is removed when its Attached objects are destroyed.
 class AttachedColumns {
  public:
   void add(std::weak_ptr<AttachedColumn> column) { columns_->push_back(std::move(column)); }
@@ -47,8 +47,8 @@ class AttachedColumns {
       std::make_shared<std::vector<std::weak_ptr<AttachedColumn>>>();
 };
 
-/// A value for each agent that was there at one time, such as its site at the start: it is found again by the Id of the
-/// agent, wherever its row is by then.
+/// A value for each agent alive at one time, such as its site at the start. find() returns the value by the Id of the
+/// agent, even if its row has changed.
 /// Cost: that of an IdIndex.
 template <class Value>
 class Attached {
@@ -65,22 +65,22 @@ class Attached {
       column_->values[column_->agents.place_of_row(row)] = value_of(row);
     }
   }
-  /// Attaches values to no agent yet.
+  /// Attaches no values yet.
   explicit Attached(AttachedColumns columns) { columns.add(column_); }
 
-  /// The value of the agent that is in `row` now; nullptr for an agent that was not there then.
+  /// Returns the value of the agent that is in `row` now; nullptr for an agent that had not been born then.
   [[nodiscard]] Value const* find(Id id, std::size_t row) const {
     std::size_t const place = column_->agents.place_of(id, row);
     return place == IdIndex::not_found ? nullptr : &column_->values[place];
   }
   [[nodiscard]] IdIndex const& agents() const { return column_->agents; }
 
-  /// Serializes the Ids, and makes room for their values.
+  /// Serializes the Ids, and allocates memory for their values.
   void serialize_ids(Archive& archive) {
     column_->agents.serialize(archive);
     if (archive.is_restoring()) column_->values.resize(column_->agents.size());
   }
-  /// Serializes one member of all values, in the order of the rows of then.
+  /// Serializes one member of all values, in the order of the rows when they were attached.
   template <class Member, class Record>
   requires std::is_same_v<Record, Value>
   void serialize_member(Archive& archive, char const* name, Member Record::*member) {
@@ -101,7 +101,7 @@ class Attached {
   };
   struct Column final : AttachedColumn {
     IdIndex agents;
-    LargeArray<Value> values;  ///< in the order of the Ids
+    LargeArray<Value> values;  ///< one value for each Id, in order
 
     void migrate(AllProcesses processes, std::span<Id const> own) override {
       LargeArray<Entry> kept;
@@ -124,7 +124,7 @@ class Attached {
         std::memcpy(&kept.emplace_back(Entry{moving.ids[k], {}}).value, &moving.values[k * sizeof(Value)],
                     sizeof(Value));
       }
-      // Those that have stayed are in order, and those that have come are few.
+      // Agents that have stayed are in order; only the few that have arrived need sorting.
       std::ranges::sort(kept.begin() + first_come, kept.end(), {}, &Entry::id);
       std::inplace_merge(kept.begin(), kept.begin() + first_come, kept.end(),
                          [](Entry const& one, Entry const& other) { return one.id < other.id; });

@@ -11,8 +11,8 @@
 
 namespace gridlock {
 
-/// Adds the terms of agents 0 … agents − 1 to sums: terms_of(i) is one term for each sum. Exact, so that neither the
-/// order of the rows nor how they are divided changes a bit of what comes out.
+/// Adds the terms of agents 0 … agents − 1 to sums; terms_of(i) returns one term for each sum. Sums are exact, so that
+/// their bits do not depend on the order of the rows or on their division among processes.
 /// Cost: about 1 ns a term.
 template <std::size_t count, class TermsOf>
 void add_terms(std::array<ExactSum, count>& sums, std::size_t agents, TermsOf terms_of) {
@@ -28,17 +28,17 @@ void add_terms(std::array<ExactSum, count>& sums, std::size_t agents, TermsOf te
   }
 }
 
-/// The same for sums of several blocks of agents.
+/// Adds terms to `count` exact sums for each of several blocks of agents.
 template <std::size_t blocks, std::size_t count>
 class SumsOfBlocks {
  public:
-  /// One term for each sum of a block.
+  /// Adds one term to each sum of a block.
   void add(std::size_t block, std::array<double, count> const& terms) {
     Gathered& gathered = gathered_[block];
     for (std::size_t s = 0; s < count; ++s) gathered.terms[s][gathered.agents] = terms[s];
     if (++gathered.agents == at_once) take(block);
   }
-  /// The sums of block b are the count ones from b · count on.
+  /// Returns all sums; those of block b begin at index b · count.
   [[nodiscard]] std::vector<ExactSum> take_all() {
     for (std::size_t block = 0; block < blocks; ++block) take(block);
     return std::move(sums_);
@@ -46,7 +46,7 @@ class SumsOfBlocks {
 
  private:
   static constexpr std::size_t at_once = 256;
-  /// Terms that are added together later.
+  /// Terms that are added to the sums together later, which is faster.
   struct Gathered {
     std::array<std::array<double, at_once>, count> terms;
     std::size_t agents = 0;

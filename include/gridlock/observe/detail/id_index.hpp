@@ -12,11 +12,10 @@
 
 namespace gridlock {
 
-/// The agents alive at one time, each with a fixed place in Id order, so that what was noted then can be compared
-/// with rows that have been reordered, born or removed since.
-/// Cost: one comparison where the Ids follow one another without a gap or a row is still in its place, O(log N)
-/// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do; 4 bytes an agent
-/// more where the rows were not in Id order.
+/// An index of the agents alive at one time: each has a place, its rank in the order of the Ids. It finds values stored
+/// then for agents whose rows have changed since.
+/// Cost: one comparison if the Ids have no gaps or the row has not changed, else O(log N). Memory: 8 bytes an agent, or
+/// none if the Ids have no gaps, as at a start; 4 bytes an agent more if the rows were not in the order of the Ids.
 class IdIndex {
  public:
   static constexpr std::size_t not_found = static_cast<std::size_t>(-1);
@@ -26,23 +25,23 @@ class IdIndex {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// The place of the agent that is in `row` now, or `not_found` for one that was not there.
+  /// Returns the place of the agent that is in `row` now, or `not_found` if it was not alive then.
   [[nodiscard]] std::size_t place_of(Id id, std::size_t row) const {
     if (sorted_.empty()) return id - first_ < size_ ? static_cast<std::size_t>(id - first_) : not_found;
     return row < size_ && sorted_[row] == id ? row : search(id);
   }
 
-  /// How many of the agents have a lower Id.
+  /// Returns the number of agents with a lower Id.
   [[nodiscard]] std::size_t count_below(Id id) const;
 
   [[nodiscard]] Id id_at(std::size_t place) const { return sorted_.empty() ? first_ + place : sorted_[place]; }
 
-  /// The place of the agent that was in a row then.
+  /// Returns the place of the agent that was in a row when the index was made.
   [[nodiscard]] std::size_t place_of_row(std::size_t row) const {
     return place_of_row_.empty() ? row : place_of_row_[row];
   }
 
-  /// One Id for each row of then, in the order of the rows.
+  /// Serializes the Ids in the order of the rows when the index was made.
   void serialize(Archive& archive);
 
  private:
@@ -50,8 +49,8 @@ class IdIndex {
 
   Id first_ = 0;
   std::size_t size_ = 0;
-  LargeArray<Id> sorted_;                    ///< empty where the Ids are first_, first_ + 1, …
-  std::vector<std::uint32_t> place_of_row_;  ///< empty where the rows were in Id order
+  LargeArray<Id> sorted_;                    ///< empty if the Ids are first_, first_ + 1, …
+  std::vector<std::uint32_t> place_of_row_;  ///< empty if the rows were in the order of the Ids
 };
 
 }  // namespace gridlock

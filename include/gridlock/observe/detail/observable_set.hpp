@@ -9,10 +9,10 @@
 
 namespace gridlock {
 
-/// All that is measured of one world: its columns side by side, its results one after the other.
+/// All observables of one world: their columns side by side, their results one after the other.
 class ObservableSet {
  public:
-  /// Adds an observable that has begun, unless one that is there has a column of the same name: the first one is kept.
+  /// Adds an observable after its begin(), unless an observable of the set has a column of the same name.
   void add(std::unique_ptr<Observable> observable);
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const;
@@ -25,7 +25,7 @@ class ObservableSet {
  private:
   struct Entry {
     std::unique_ptr<Observable> observable;
-    std::size_t width;  ///< columns
+    std::size_t width;  ///< number of columns
   };
   std::vector<Entry> entries_;
 };
