@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Tables with named columns, as CSV.
+/// \file Tables with named columns, which are written and read as CSV.
 ///
 /// ```cpp
 /// Table table;
@@ -22,7 +21,7 @@
 
 namespace gridlock {
 
-/// One entry of a table: a number, a count (all 64 bits of it), or a word.
+/// One entry of a table: a number, a count of 64 bits, or a word.
 using Cell = std::variant<double, std::uint64_t, std::string>;
 
 /// The entries of one column, all of one kind.
@@ -30,11 +29,11 @@ using CellColumn = std::variant<std::vector<double>, std::vector<std::uint64_t>,
 
 /// Named columns of equal length.
 ///
-/// Contract (asserted): names differ and hold no comma, quote or line break; columns are equally long; a cell added to
-/// a column is of the column's kind; a column asked for exists.
+/// Contract (asserted): names differ and have no comma, quote or line break; columns are equally long; cells have the
+/// type of their column; a column that is read exists.
 class Table {
  public:
-  /// Adds a whole column; the first one decides how many rows there are.
+  /// Adds a whole column; the first column sets the number of rows.
   void add_column(std::string name, CellColumn values);
 
   /// Adds one row, a cell for every column in their order.
@@ -48,7 +47,7 @@ class Table {
   [[nodiscard]] CellColumn const& column(std::string_view name) const;
   [[nodiscard]] CellColumn const& column(std::size_t index) const { return columns_[index]; }
 
-  /// A column as numbers, counts rounded to the nearest double; empty for a column of words.
+  /// Returns a column as numbers, counts rounded to the nearest double; empty for a column of words.
   [[nodiscard]] std::vector<double> numbers(std::string_view name) const;
 
   friend bool operator==(Table const&, Table const&) = default;
@@ -60,22 +59,22 @@ class Table {
   std::vector<CellColumn> columns_;
 };
 
-/// The table as comma-separated values: the names on the first line, then a line for each row.
+/// Returns the table as comma-separated values: the names in the first line, then a line for each row.
 ///
-/// Reads back the same to the last bit: numbers carry a point or an exponent ("1.0", "nan"), counts do not, words stand
-/// in quotes, doubled inside.
+/// parse_csv() reads back the same bits: numbers have a point or an exponent ("1.0", "nan"), counts do not, words are
+/// in quotes, and quotes in words are doubled.
 std::string to_csv(Table const& table);
 
-/// Writes to_csv(table). Errors: RunFailure.
+/// Writes to_csv(table) to a file. Errors: RunFailure if it cannot be written.
 void write_csv(Table const& table, std::filesystem::path const& path);
 
-/// The table a text of comma-separated values holds; a column is one of counts where every entry is a whole number.
+/// Reads a table from comma-separated values; a column is one of counts if every entry is a whole number.
 ///
-/// Lines that begin with # are skipped, an empty entry is nan.
-/// Errors: Error naming `name`, line and column of every line that does not fit (the first ten).
+/// Lines that begin with # are skipped, an empty entry is nan. Errors: Error with `name`, line and column of every
+/// wrong line (the first ten).
 Table parse_csv(std::string_view text, std::string const& name);
 
-/// parse_csv() of a file. Errors: Error, also for a file that cannot be read.
+/// Reads a table from a file, see parse_csv(). Errors: Error, also for a file that cannot be read.
 Table read_csv(std::filesystem::path const& path);
 
 }  // namespace gridlock
