@@ -18,10 +18,10 @@ namespace gridlock {
 
 namespace {
 
-/// Counts of collisions end before 2⁶⁴.
+/// Largest number of collisions that fits into a counter of 64 bits, with a margin.
 constexpr double max_collisions = 9e18;
 
-/// A table of something that is not run would be left out without a word.
+/// Throws an Error about a table that belongs to another model, since it would have no effect.
 void refuse_tables_of_others(Configuration const& configuration, IsGiven const& is_given) {
   std::string const& model = configuration.model.kind;
   Configuration described = configuration;
@@ -62,20 +62,20 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
   if (!problems.empty()) throw Error(std::move(problems));
 }
 
-/// A file without a name is a slip of a script, unless the start is said too, as in the resolved settings of a run.
+/// Refuses an empty disks.file, probably a mistake in a script; config.resolved.toml has it together with disks.start.
 void require_name_of_file(Configuration const& configuration, IsGiven const& is_given) {
   if (!configuration.disks.file.empty() || !is_given("disks.file") || is_given("disks.start")) return;
   throw Error({.what = "disks.file is empty", .hint = "name a file, or leave the setting out", .key = "disks.file"});
 }
 
-/// The ends of a run that are known beforehand, from its start.
+/// The end of a run as step and time after its start, as far as it is known in advance; infinite otherwise.
 struct End {
   double step = std::numeric_limits<double>::infinity();
   double time = std::numeric_limits<double>::infinity();
 };
 
 End end_of(Setup const& setup) {
-  // A length meant as a multiple of the step must not miss it for a rounding.
+  // Rounding errors must not add or drop a step of a length that is a multiple of the time step.
   constexpr double rounding = 1e-9;
   RunSettings const& run = setup.configuration.run;
   End end;

@@ -10,22 +10,22 @@
 
 namespace gridlock {
 
-/// Refuses what is wrong with a configuration before anything is made of it: tables of models that are not run,
-/// settings with which no run is possible, more memory than there is. Errors: Error.
+/// Checks a configuration before anything is created from it. Errors: Error for tables of other models, settings with
+/// which no run is possible, or too little free memory.
 void check(Configuration const& configuration, IsGiven const& is_given, AllProcesses processes);
 
-/// Refuses a run that so many processes cannot share. Errors: Error.
+/// Throws an Error if `processes` processes cannot share the run.
 void require_shareable(Configuration const& configuration, std::size_t processes);
 
-/// Refuses a run that cannot come to its end, and frames that cannot be: of a set-up whose simulation is made.
-/// Errors: Error.
+/// Checks the end of a run whose simulation exists. Errors: Error if the end cannot be reached, or frames at steps or
+/// times that do not occur are requested.
 void check_end(Setup const& setup);
 
-/// Notes on settings that were given although nothing of the run depends on them; of a configuration before it is
-/// resolved, which makes the default of what was left out look like a choice.
+/// Returns notes on given settings without effect on the run. Resolving a configuration fills in defaults, which would
+/// look like given settings, so call it before.
 std::vector<Event> unused_settings(Configuration const& configuration, IsGiven const& is_given);
 
-/// Notes on frames beyond the end of the run.
+/// Returns notes on requested frames after the end of the run.
 std::vector<Event> frames_beyond_end(Setup const& setup);
 
 }  // namespace gridlock

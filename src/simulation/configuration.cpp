@@ -33,7 +33,7 @@ Problem unknown_model(Configuration const& configuration) {
           .key = "model.kind"};
 }
 
-/// Whether a problem is about a table of that name or something in it.
+/// Returns whether a problem concerns a table or a setting in it.
 bool is_about_table(Problem const& problem, std::string const& table) {
   return problem.key == table || problem.key.starts_with(table + ".");
 }
@@ -93,7 +93,7 @@ void describe(ModelSettings& settings, SettingVisitor& visitor) {
                  .documentation = "The model to run, such as \"flocking\", whose settings are in a table of that name; "
                                   "\"disks\" are hard disks."},
                 settings.kind);
-  // As earlier versions wrote it.
+  // Earlier versions wrote an empty kind for disks.
   if (settings.kind.empty()) settings.kind = ModelSettings().kind;
   visitor.visit({.key = "verify_every",
                  .documentation = "Steps between two in which every neighbour search is compared with a look at all "
@@ -110,7 +110,7 @@ ModelKind const& Configuration::kind() const {
 void describe(Configuration& configuration, SettingVisitor& visitor) {
   describe_table(visitor, "box", "The rectangle the agents live in.", configuration.box);
   describe_table(visitor, "model", "Which model is run.", configuration.model);
-  // Models share tables: the first one tells all of it.
+  // A table that several models share is described by the first of them.
   std::set<std::string> described;
   for (auto const& kind : configuration.models.all()) {
     for (SettingTable const& table : kind->tables(configuration)) {
@@ -147,7 +147,7 @@ Configuration read_configuration(SettingsFile const& file) {
     problems = error.problems();
   }
   for (Problem& problem : problems) {
-    // A setting of a like name, or of another table, is more likely to be meant.
+    // A hint on a similar name or on another table is more useful than a sentence about a missing feature.
     bool const is_like_nothing = problem.what.starts_with("there is no ") &&
                                  !problem.hint.starts_with("did you mean") &&
                                  problem.hint.find(" belongs in ") == std::string::npos;
@@ -156,7 +156,7 @@ Configuration read_configuration(SettingsFile const& file) {
     if (auto const instead = instead_of_model(problem.key.substr(0, problem.key.find('.')))) problem.hint = *instead;
   }
   if (configuration.models.find(configuration.model.kind) == nullptr) {
-    // Its table is unknown for that reason alone.
+    // The model's table is reported as unknown only because the model is unknown.
     std::erase_if(problems, [&](Problem const& other) { return is_about_table(other, configuration.model.kind); });
     std::vector<Problem> const unknown = file.locate(Error(unknown_model(configuration))).problems();
     problems.insert(problems.begin(), unknown.begin(), unknown.end());

@@ -9,13 +9,13 @@
 
 namespace gridlock {
 
-/// The distance between neighbouring numbers at `time`.
+/// Returns the distance from `time` to the next larger double.
 inline double spacing_at(double time) { return std::nextafter(time, std::numeric_limits<double>::infinity()) - time; }
 
-/// Whether a clock at `time` counts on in steps of `duration`: rounding changes none of them by more than a thousandth.
+/// Returns whether a clock at `time` can count steps of `duration`: rounding changes a step by at most a thousandth.
 inline bool can_count(double time, double duration) { return 0.5 * spacing_at(time) <= 1e-3 * duration; }
 
-/// Refuses a run whose clock stops counting before its end.
+/// Checks that the clock can count steps up to the end of a run.
 /// Errors: Error under the key "run.time".
 inline void require_countable_end(double end, double duration) {
   if (can_count(end, duration)) return;

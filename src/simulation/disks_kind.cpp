@@ -29,7 +29,7 @@ namespace gridlock {
 
 namespace {
 
-/// Fills in what was left out, so that the configuration says what was run.
+/// Replaces missing settings by their defaults, so that the configuration records all values of the run.
 void resolve(Configuration& configuration) {
   if (!configuration.engine.speed) configuration.engine.speed = configuration.velocities.max;
   if (configuration.disks.start == StartKind::file) return;
@@ -37,7 +37,7 @@ void resolve(Configuration& configuration) {
   if (!configuration.disks.radius && !configuration.disks.packing_fraction) configuration.disks.packing_fraction = 0.5;
 }
 
-/// A speed near 0 makes a time step that cannot be computed with.
+/// Checks the time step, which a speed near 0 makes too long to compute with.
 void require_bounded_step(EngineSettings const& engine, DisksOverview const& disks) {
   double const duration = step_duration(engine, disks.radii.smallest);
   if (!engine_record(engine.kind).has_time_step || duration <= max_magnitude) return;
@@ -47,10 +47,10 @@ void require_bounded_step(EngineSettings const& engine, DisksOverview const& dis
                .key = "engine.speed"});
 }
 
-/// A run that starts so late that its clock cannot count on would never end, or end at once.
+/// Checks the clock at the start. Near the end of its range it cannot count steps, so a run would end at once or never.
 void require_clock(Clock const& clock, DisksOverview const& disks, std::filesystem::path const& start_file,
                    EngineSettings const& engine) {
-  // As many as any run can have from there; the counts of steps end at 2⁶⁴ − 1.
+  // Half of all steps, so that a run from there can have as many; counts of steps end at 2⁶⁴ − 1.
   constexpr std::uint64_t max_steps = never_reached / 2;
   auto const refuse = [&](std::string what, std::string hint) {
     throw Error({.what = start_file.empty() ? what : fmt::format("{}: {}", start_file.string(), what),
@@ -68,15 +68,14 @@ void require_clock(Clock const& clock, DisksOverview const& disks, std::filesyst
          "set Time in its second line to a smaller number, such as 0");
 }
 
-/// The engine. What counts as valid is the engine's to say: the exact one allows for the rounding of disks it left in
-/// contact.
+/// Makes the engine, which checks the state itself: the exact engine tolerates rounding errors of disks in contact.
 std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path const& start_file,
                                    EngineSettings const& settings) {
   return blaming_file(start_file, [&] { return make_engine(settings, state); });
 }
 
-/// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers
-/// a contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
+/// Checks that a disk at twice v_max cannot jump over another disk in a sub-step. Collisions soon make disks that fast
+/// (one move in 3000 in equilibrium, exp(−8)). The rare faster disk is detected in its move.
 void require_short_substeps(EngineSettings const& engine, DisksOverview const& disks) {
   if (!engine_record(engine.kind).has_time_step) return;
   double const substep = step_duration(engine, disks.radii.smallest) / static_cast<double>(engine.substeps);
@@ -91,7 +90,7 @@ void require_short_substeps(EngineSettings const& engine, DisksOverview const& d
        .key = "engine.time_step"});
 }
 
-/// Where the engine has a time step and that is known to mislead.
+/// Returns a note if the engine has a time step and the results are known to mislead.
 std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineRecord const& engine) {
   if (!engine.has_time_step) return std::nullopt;
   TimeStepCaveats const caveats = time_step_caveats(box, disks.covered_area);
@@ -111,7 +110,7 @@ std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings 
   return Event{.kind = EventKind::nothing_moves, .key = velocities.max > 0.0 ? "disks.file" : "velocities.max"};
 }
 
-/// In equilibrium one disk in 10¹³ is four times as fast as the speed that an engine has its time step from.
+/// Returns a note on disks for which processes wait; in equilibrium one in 10¹³ exceeds 4 times engine.speed.
 std::optional<Event> wait_for_fast_disks(EngineSettings const& engine, DisksOverview const& disks) {
   double const speed = engine.speed.value_or(1.0);
   if (engine.processes.count() == 1 || !(speed > 0.0) || !(disks.largest_speed > 4.0 * speed)) return std::nullopt;
@@ -120,7 +119,7 @@ std::optional<Event> wait_for_fast_disks(EngineSettings const& engine, DisksOver
                .values = {{"ratio", disks.largest_speed / speed}, {"speed", speed}}};
 }
 
-/// Stages that two settings may end.
+/// Returns notes on stages with two settings that may end them.
 std::vector<Event> notes_on_ends(std::vector<StageSettings> const& stages) {
   std::vector<Event> notes;
   for (std::size_t k = 0; k < stages.size(); ++k) {
@@ -147,7 +146,7 @@ void require_no_overlaps_in_run(Configuration const& configuration) {
        .key = fmt::format("protocol[{}]", stages.size() - 1)});
 }
 
-/// Moves nothing and takes any disks: for what a protocol leaves where no run follows.
+/// An engine that moves nothing and accepts any disks, for the end of a protocol without a run.
 class RestingEngine final : public Engine {
  public:
   explicit RestingEngine(double duration) : duration_(duration) {}
@@ -250,14 +249,14 @@ class DisksKind final : public ModelKind {
   }
 };
 
-/// The engine of a run, with a limit to waiting where only collisions end it.
+/// Returns the engine of a run; if only collisions end the run, it fails after a long time without collisions.
 std::unique_ptr<EngineFor<HardDisks>> patient(std::unique_ptr<Engine> engine, RunSettings const& run,
                                               State const& state, AllProcesses processes) {
   if (run.steps || run.time) return engine;
   return std::make_unique<PatientEngine>(std::move(engine), patience_for(state, processes), processes);
 }
 
-/// A simulation that a protocol prepares. Its time step is in diameters of the start.
+/// Returns a simulation that a protocol prepares. Its time step in units of the diameter is that of the start.
 std::unique_ptr<Simulation> prepared_simulation(Configuration const& configuration, EngineSettings const& settings,
                                                 State state) {
   double const duration = step_duration(settings, state);
@@ -270,7 +269,7 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
     EngineSettings engine = settings;
     engine.time_step *= duration / step_duration(settings, world);
     std::unique_ptr<EngineFor<HardDisks>> advancing = std::make_unique<RestingEngine>(duration);
-    // Hard disks may be run on later, where this run has no length.
+    // Hard disks get a real engine even if this run has no length, since the run may be lengthened later.
     if (is_prepared && is_hard_at_end) advancing = patient(make_engine(engine, world), run, world, {});
     auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(world));
     simulation->observe(observe, {.halts_moves = engine_record(settings.kind).has_time_step});
@@ -279,7 +278,7 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
   return std::make_unique<ProtocolSimulation>(protocol, std::move(state), make);
 }
 
-/// Refuses settings of a run that do not fit these disks, and adds notes on what is worth telling.
+/// Checks settings of a run against its disks, and adds notes.
 void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, Clock const& clock,
                  DisksOverview const& disks) {
   require_clock(clock, disks, setup.start_file, settings);

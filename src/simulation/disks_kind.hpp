@@ -6,7 +6,7 @@
 
 namespace gridlock {
 
-/// Hard disks, with the tables [disks], [velocities] and [engine].
+/// Returns the model of hard disks, with the tables [disks], [velocities] and [engine].
 std::unique_ptr<ModelKind> disks_kind();
 
 }  // namespace gridlock

@@ -22,7 +22,7 @@ namespace gridlock {
 
 namespace {
 
-/// Said once and of the setting, not pair by pair.
+/// Throws an Error if uniform points overlap. It names the setting once instead of listing the pairs.
 void require_hard_start(DisksSettings const& disks, State const& state) {
   if (disks.start != StartKind::uniform || !(largest_overlap(state) > 0.0)) return;
   throw Error({.what = "disks at uniform points overlap, and the run is one of hard disks",
@@ -30,23 +30,23 @@ void require_hard_start(DisksSettings const& disks, State const& state) {
                .key = "disks.start"});
 }
 
-/// Whether two disks keep apart for as long as they meet no other: at a distance along x or y that no motion changes.
+/// Returns whether two disks cannot meet before one meets a third: their distance along x or y stays constant.
 bool keep_apart(State const& state, std::size_t i, std::size_t j) {
   double const contact = state.agents.column<Radius>()[i] + state.agents.column<Radius>()[j];
   Vector const d = state.box.displacement(position(state.agents, i), position(state.agents, j));
   Vector const v = velocity(state.agents, i);
   Vector const w = velocity(state.agents, j);
-  // A wall turns back one of two disks before the other.
+  // With walls, equal velocities do not stay equal, since one disk reaches the wall first.
   bool const is_fixed_in_x = v.x == w.x && (state.box.is_periodic() || v.x == 0.0);
   bool const is_fixed_in_y = v.y == w.y && (state.box.is_periodic() || v.y == 0.0);
   return (is_fixed_in_x && is_fixed_in_y) || (is_fixed_in_x && std::abs(d.x) >= contact) ||
          (is_fixed_in_y && std::abs(d.y) >= contact);
 }
 
-/// Beyond that nobody looks at all pairs.
+/// Largest number of disks for which all pairs are examined.
 constexpr std::size_t max_disks_for_all_pairs = 2000;
 
-/// Whether any two disks can ever meet, as far as that is plain to see.
+/// Returns false if no two disks can ever meet. May return true for disks that never meet, at least if there are many.
 bool can_collide(State const& state) {
   if (state.agents.size() < 2 || !(kinetic_energy(state.agents) > 0.0)) return false;
   if (state.agents.size() > max_disks_for_all_pairs) return true;
@@ -64,7 +64,7 @@ bool can_collide(State const& state) {
                .key = "run.collisions_per_disk"});
 }
 
-/// Whether the start that is asked for is made, or another one in its place, with a note, because it is slow.
+/// Returns whether to make the configured start. A slow start may be replaced by another one, with a note.
 bool makes_start_asked_for(Setup& setup, SetupOptions const& options) {
   Configuration const& configuration = setup.configuration;
   DisksSettings const& disks = configuration.disks;
@@ -74,10 +74,10 @@ bool makes_start_asked_for(Setup& setup, SetupOptions const& options) {
   return makes_start(attempts, "disks.start", options, setup.notes);
 }
 
-/// Disks of any sizes grow up to here, from ten disks on; mixtures of two sizes jam from about 0.84 on.
+/// Packing fraction that ten or more disks of any sizes can reach by growth; mixtures of two sizes jam from 0.84 on.
 constexpr double reached_by_growth = 0.84;
 
-/// A start whose refusal names the way to densities at which disks find no room.
+/// Makes a start. If the disks find no room but could grow to the packing fraction, the error mentions growth.
 StartOfDisks start_or_reference_to_growth(Box const& box, DisksSettings const& disks, std::uint64_t seed) {
   try {
     return {box, disks, seed};
@@ -92,7 +92,7 @@ StartOfDisks start_or_reference_to_growth(Box const& box, DisksSettings const& d
   }
 }
 
-/// The start that is asked for, or a lattice in its place.
+/// Makes the configured start, or a triangular lattice instead of a slow start.
 StartOfDisks random_or_lattice_start(Setup& setup, bool is_asked_for) {
   Configuration const& configuration = setup.configuration;
   Box const box = make_box(configuration.box);
@@ -103,14 +103,14 @@ StartOfDisks random_or_lattice_start(Setup& setup, bool is_asked_for) {
     try {
       return {box, disks, seed};
     } catch (Error const&) {
-      // Very unequal disks may fit at random and on no lattice of the largest: then there is nothing else to check.
+      // Disks of very unequal sizes may fit at random but not on a lattice, so the configured start is made after all.
       setup.notes.pop_back();
     }
   }
   return start_or_reference_to_growth(box, configuration.disks, seed);
 }
 
-/// The disks of this process, at rest.
+/// Returns the disks of this process, at rest.
 Disks dealt_out(AllProcesses processes, StartOfDisks const* start) {
   return deal_out(processes, start == nullptr ? 0 : start->count(), [&](std::uint64_t k) {
     DiskAtStart const disk = start->disk(k);
@@ -126,17 +126,17 @@ Disks dealt_out(AllProcesses processes, StartOfDisks const* start) {
   });
 }
 
-/// Reads the head of the file that is asked for.
+/// Reads the header of the configured frame.
 xyz::Reader open_start_file(Setup const& setup) {
   DisksSettings const& disks = setup.configuration.disks;
   xyz::FrameChoice choice{.frame = {}, .setting = "disks.frame"};
-  // There is no frame of such a number as is cut here.
+  // Larger frame numbers are reduced to the largest of 64 bits with sign, which no file reaches.
   constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
   if (disks.frame) choice.frame = static_cast<std::int64_t>(std::min(*disks.frame, most));
   return xyz::Reader(TextReader(setup.start_file), choice);
 }
 
-/// Refuses disks with which the run would never end, or not begin. `whole` has all of them.
+/// Checks that a run of these disks can begin and end. `whole` contains the disks of all processes.
 void require_good_whole(Setup const& setup, State const& whole) {
   Configuration const& configuration = setup.configuration;
   if (!configuration.protocol.empty()) return;
@@ -144,7 +144,7 @@ void require_good_whole(Setup const& setup, State const& whole) {
   require_hard_start(configuration.disks, whole);
 }
 
-/// The disks of a file. Many are read in pieces, so that no process has all of them.
+/// Returns the disks of a file. A large file is read in pieces, so that no process holds all disks.
 State start_of_file(Setup& setup, SetupOptions const& options) {
   Configuration& configuration = setup.configuration;
   AllProcesses const processes = options.processes;
@@ -191,7 +191,7 @@ State start_of_disks(Setup& setup, SetupOptions const& options) {
   DisksSettings const& disks = configuration.disks;
   AllProcesses const processes = options.processes;
   if (!options.start && !disks.file.empty()) return start_of_file(setup, options);
-  // Pairs of few disks are looked at, and of those that may overlap.
+  // The root holds all disks if they are few or may overlap, since their pairs must be examined.
   bool const is_whole = options.start || disks.start == StartKind::uniform ||
                         count_of(disks) <= max_disks_for_all_pairs || processes.count() == 1;
   auto const make_start = [&] { return random_or_lattice_start(setup, makes_start_asked_for(setup, options)); };

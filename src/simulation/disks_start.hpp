@@ -10,17 +10,16 @@
 
 namespace gridlock {
 
-/// The disks that a run of this set-up starts from; where processes share them, those of this one, in the order of the
-/// Ids. Notes what is worth telling of them. All processes call it.
-/// Errors: Error, in all of them, for a start that cannot be made, and for one from which the run would never end.
+/// Returns the disks at the start of a run, and adds notes on them to `setup`. Each process calls it and gets its own
+/// disks in the order of Ids. Errors: Error in all processes if the start cannot be made or the run would never end.
 State start_of_disks(Setup& setup, SetupOptions const& options);
 
-/// Whether nothing else ends a run.
+/// Returns whether only collisions end a run.
 inline bool ends_with_collisions(RunSettings const& run) { return !run.steps && !run.time; }
-/// Refuses disks at rest, where collisions are to end the run.
+/// Throws an Error if all disks are at rest, since collisions are to end the run.
 void require_motion(DisksOverview const& all);
 
-/// Calls `act`; what is wrong with a state from a file is blamed on the file.
+/// Calls `act`. An Error about the disks as a whole gets the name of their start file.
 template <class Act>
 auto blaming_file(std::filesystem::path const& start_file, Act act) {
   try {
@@ -29,7 +28,7 @@ auto blaming_file(std::filesystem::path const& start_file, Act act) {
     if (start_file.empty()) throw;
     std::vector<Problem> problems = error.problems();
     for (Problem& problem : problems) {
-      if (problem.key != "disks") continue;  // the key of what is wrong with the state itself
+      if (problem.key != "disks") continue;  // only this key concerns the disks as a whole
       problem.what = start_file.string() + ": " + problem.what;
       problem.key = "disks.file";
     }

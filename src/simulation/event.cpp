@@ -60,7 +60,7 @@ EventValue const* find(Event const& event, std::string_view name) {
   return found == event.values.end() ? nullptr : &found->second;
 }
 
-/// A value of that name; an empty one where there is none of that type.
+/// Returns a value of an event by its name; an empty value if it is missing or of another type.
 template <class Value>
 Value value_of(Event const& event, std::string_view name) {
   EventValue const* const value = find(event, name);
@@ -68,7 +68,7 @@ Value value_of(Event const& event, std::string_view name) {
   return typed == nullptr ? Value() : *typed;
 }
 
-/// Reads the values of an event for its text.
+/// Reads the values of an event to compose its text.
 struct Values {
   Event const& event;
   [[nodiscard]] std::uint64_t count(std::string_view name) const { return value_of<std::uint64_t>(event, name); }
@@ -150,7 +150,7 @@ std::string text_of_checkpoint(Event const& event) {
   return fmt::format("{}; going back to the previous one", of.word("why"));
 }
 
-/// Why a packing that presses is not jammed.
+/// Returns why a packing under pressure is not jammed.
 std::string reason_of(Event const& event) {
   Values const of{event};
   if (find(event, "missing_contacts") != nullptr) {
@@ -215,7 +215,7 @@ std::string text_of_stage(Event const& event) {
   }
 }
 
-/// Notes on a run of hard disks, and on averages.
+/// Returns the text of notes on runs of hard disks and on averages.
 std::string text_of_run(Event const& event) {
   Values const of{event};
   switch (event.kind) {
@@ -332,7 +332,7 @@ std::string to_text(Event const& event) {
 
 namespace {
 
-/// The note on one event that some of the runs have; nothing where it is not worth it.
+/// Returns the note on an event of one or more runs of a sweep; nothing for an unused setting of minor interest.
 std::optional<std::string> text_of(std::vector<Event> const& alike, std::size_t runs) {
   Event const& first = alike.front();
   std::string const text = to_text(first);

@@ -15,7 +15,7 @@ double steps_of(RunSettings const& run, double duration_of_step) {
   double steps = std::numeric_limits<double>::infinity();
   if (run.steps) steps = std::min(steps, static_cast<double>(*run.steps));
   if (run.time) steps = std::min(steps, *run.time / duration_of_step);
-  // A disk of a dense fluid collides a few times while it travels ten of the default time steps.
+  // In a dense fluid a disk collides a few times in ten default time steps; three steps per collision is the estimate.
   if (run.collisions_per_disk) steps = std::min(steps, *run.collisions_per_disk * 3.0);
   return steps;
 }

@@ -8,22 +8,21 @@
 
 namespace gridlock {
 
-/// The work and the memory that a run is expected to take, as far as its set-up tells: for the order of many runs,
-/// their progress, and which of them fit into memory beside one another.
+/// The work and memory that a run will probably take. Sweeps use it for the order and progress of runs, and to choose
+/// runs that fit into memory together.
 struct Expectation {
-  double work = 0.0;  ///< in turns of an agent among neighbours of the usual number
+  double work = 0.0;  ///< in moves of an agent with a typical number of neighbours
   double bytes = 0.0;
 };
 Expectation expectation_of(Setup const& setup);
 
-/// Whether a run takes steps of an engine or a model; else its protocol is all of it.
+/// Returns whether the run has steps of an engine or a model, and not only a protocol.
 bool takes_steps(Configuration const& configuration);
 
-/// Whether more threads than one are of any use to a run.
+/// Returns whether a run becomes faster with more than one thread.
 bool uses_threads(Configuration const& configuration);
 
-/// The threads a run is carried out by in each of its processes, where it may be asked for others than the configured
-/// ones.
+/// Returns the number of threads of a run in each of its processes: `asked_for`, or else the configured number.
 std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for = std::nullopt,
                          AllProcesses processes = {});
 

@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-/// Beyond it not every whole number is a double.
+/// Above 2⁵³ some whole numbers are not doubles.
 constexpr double max_steps = 9007199254740992.0;
 
 std::uint64_t whole_steps(double steps) {
@@ -27,7 +27,7 @@ std::uint64_t whole_steps(double steps) {
 }
 
 std::uint64_t steps_until(double time, double time_step) {
-  // A time meant as a multiple of the step must not miss it for a rounding.
+  // Rounding must not shift a time that is a multiple of the time step to the next step.
   double const steps = std::ceil(time / time_step * (1.0 - 1e-12));
   if (time >= 0.0 && steps <= max_steps) return static_cast<std::uint64_t>(steps);
   throw Error({.what = fmt::format("{} is not a time that a run with steps of {} reaches", time, time_step),

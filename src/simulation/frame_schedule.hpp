@@ -12,32 +12,32 @@
 
 namespace gridlock {
 
-/// The places of the columns asked for, in increasing order. Errors: Error under trajectory.columns for a name that is
-/// no column.
+/// Returns the indices of the requested columns in ascending order. Errors: Error under trajectory.columns for a name
+/// that is not a column.
 std::vector<std::size_t> chosen_columns(std::vector<std::string_view> const& names, std::string const& columns);
 
-/// The frame with the columns asked for only, in its own order; the Ids always stay. Errors: those of chosen_columns().
+/// Returns a frame with Ids and the requested columns, in the frame's order. Errors: those of chosen_columns().
 std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::string const& columns);
 
-/// The steps after the start of a run at which frames are due; a function of the settings alone, so that a run that is
-/// resumed has the frames of one that was never interrupted.
+/// The steps after the start of a run at which frames are due. They depend only on the settings, so that a resumed run
+/// has the same frames as an uninterrupted one.
 ///
-/// every n: 0, n, 2n …; p frames per decade: 0 and ⌊10^(k/p) + ½⌋ for k = 0, 1, 2 …, with origins every m steps those
-/// below m after each multiple of m; a time t: the first step at or after.
+/// `every` n: 0, n, 2n …; p frames per decade: 0 and ⌊10^(k/p) + ½⌋ for k = 0, 1, 2 …, with origins every m steps those
+/// below m after each multiple of m; a time t: the first step at or after t.
 class FrameSchedule {
  public:
-  /// Errors: Error under trajectory.steps or trajectory.times for what is no step or time.
+  /// Errors: Error under trajectory.steps or trajectory.times for an invalid step or time.
   FrameSchedule(TrajectorySettings const& settings, double time_step);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const;
-  /// The next step after `steps`; `never_reached` where there is none.
+  /// Returns the first due step after `steps`; `never_reached` if there is none.
   [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const;
 
  private:
   std::uint64_t every_;
   std::uint64_t origin_every_;
-  std::vector<std::uint64_t> steps_;         ///< sorted, those of every_ left out
-  std::vector<std::uint64_t> after_origin_;  ///< sorted, below origin_every_; none where the start is the only origin
+  std::vector<std::uint64_t> steps_;         ///< sorted, without multiples of every_
+  std::vector<std::uint64_t> after_origin_;  ///< sorted, below origin_every_; empty if the start is the only origin
 };
 
 }  // namespace gridlock

@@ -13,7 +13,7 @@ namespace {
 
 struct Lacking {
   std::string_view word;
-  std::string_view instead;  ///< what is so without it
+  std::string_view instead;  ///< reason or substitute
 };
 
 constexpr std::string_view constant_energy = "the energy of a run is constant";
@@ -23,7 +23,7 @@ constexpr std::string_view no_shear = "it says whether a packing is stable again
 constexpr std::string_view no_forces = "hard disks fly freely between collisions";
 constexpr std::string_view smooth = "disks are smooth and elastic";
 
-/// docs/explanation/limits.md says each of them.
+/// Words for missing features; docs/explanation/limits.md explains each of them.
 constexpr std::array<Lacking, 16> all_lacking{{
     {"thermostat", constant_energy},
     {"langevin", constant_energy},
@@ -43,7 +43,7 @@ constexpr std::array<Lacking, 16> all_lacking{{
     {"gpu", "it computes on the cores of a processor"},
 }};
 
-/// Models that earlier versions shipped, and the engine of disks that has their bits.
+/// Models of earlier versions, and the engine of disks that gives the same bits.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 2> former_models{
     {{"colloid", "stepped"}, {"colloid_tiled", "tiled"}}};
 

@@ -6,11 +6,11 @@
 
 namespace gridlock {
 
-/// A sentence on something that other programs have and Gridlock has not, by the word that one looks for, such as
-/// "thermostat"; nothing for any other word.
+/// Returns a sentence on a feature that other programs have and Gridlock lacks, for a word such as "thermostat";
+/// nothing for other words.
 std::optional<std::string> sentence_on_lacking(std::string_view word);
 
-/// A hint on what to use in place of a model that earlier versions shipped; nothing for any other name.
+/// Returns a hint on the substitute for a model that earlier versions had; nothing for other names.
 std::optional<std::string> instead_of_model(std::string_view name);
 
 }  // namespace gridlock

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double bytes_per_row = 25 * 8.0;
 
-/// The free memory of the machine, in bytes.
+/// Returns the free memory of the machine in bytes.
 double free_memory_of_machine() {
   std::ifstream file("/proc/meminfo");
   for (std::string word; file >> word;) {
@@ -33,7 +33,7 @@ double free_memory_of_machine() {
   return static_cast<double>(pages) * static_cast<double>(page_size);
 }
 
-/// The memory that the process may still ask for under its limit of address space, in bytes.
+/// Returns how many bytes the process may still allocate under its limit of address space.
 double free_memory_of_process() {
   rlimit limit{};
   std::ifstream file("/proc/self/statm");
@@ -44,9 +44,9 @@ double free_memory_of_process() {
   return std::max(0.0, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
 }
 
-/// The rows of the series.
+/// Returns the memory for the rows of the series.
 MemoryDemand series_of(Configuration const& configuration) {
-  // Where another length ends the run, most of the steps may never come.
+  // If a time or collisions may end the run earlier, most of run.steps may never be reached.
   bool const is_as_long = !configuration.run.time && !configuration.run.collisions_per_disk;
   std::uint64_t const steps = is_as_long ? configuration.run.steps.value_or(0) : 0;
   std::uint64_t const samples = steps / std::max<std::uint64_t>(1, configuration.observe.every);
@@ -89,7 +89,7 @@ void require_memory(Configuration const& configuration, AllProcesses processes) 
 
 void MemoryBudget::take(double bytes) {
   std::unique_lock lock(mutex_);
-  // Alone a run may take more than there is: whether it can be made at all is not asked here.
+  // A single run may exceed the budget, since require_memory() decides whether it is possible at all.
   is_given_back_.wait(lock, [&] { return parts_ == 0 || taken_ + bytes <= bytes_; });
   taken_ += bytes;
   ++parts_;

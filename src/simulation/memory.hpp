@@ -10,27 +10,27 @@
 
 namespace gridlock {
 
-/// Refuses a run that needs more memory than the machine has free, before any of it is asked for: a system short of
-/// memory kills the program, which leaves no message and no results.
+/// Throws an Error before a run allocates more memory than the machine has free. Otherwise the system would kill the
+/// program, without a message or results.
 ///
-/// Counts what can become large: the agents, the cells of the grid, the rows of the series. Of agents that
-/// processes share those on this machine count. An estimate, on the low side.
+/// Estimates the parts that can become large, on the low side: agents, cells of the grid, rows of the series. For a run
+/// on several processes it counts the agents of the processes on this machine.
 void require_memory(Configuration const& configuration, AllProcesses processes);
 
-/// The bytes a run needs by the same estimate; more closely where it is known how many agents there are.
+/// Returns the estimate of require_memory() in bytes; it is more accurate if the number of agents is known.
 double expected_memory(Configuration const& configuration);
 double expected_memory(Configuration const& configuration, std::size_t agents);
 
-/// The memory that the program can still get, in bytes: of the machine, under the limit of the process (ulimit -v), and
-/// under those of its control groups, such as a container's.
+/// Returns the memory in bytes that the program can still get: the least of the free memory of the machine, the limit
+/// of the process (ulimit -v) and the limits of its control groups, such as a container's.
 double free_memory();
 
-/// Memory that several runs share: those that do not fit beside one another wait for one another.
+/// Memory that several runs share. A run whose part does not fit waits until other runs end.
 class MemoryBudget {
  public:
   explicit MemoryBudget(double bytes) : bytes_(bytes) {}
 
-  /// A part of the budget for as long as it lives.
+  /// A part of the budget, reserved for the lifetime of this object.
   class Part {
    public:
     Part(MemoryBudget& budget, double bytes) : budget_(budget), bytes_(bytes) { budget_.take(bytes_); }

@@ -23,7 +23,7 @@ ModelKinds& all_known() {
   return kinds;
 }
 
-/// Whether a table of the settings has that name: one of every run, of disks or of a sweep. Asks for all known models.
+/// Returns whether a table of settings has this name: a table of every run, of disks or of a sweep.
 bool is_name_of_table(std::string_view name) {
   Configuration configuration;
   configuration.models.keep_only("disks");
@@ -33,7 +33,7 @@ bool is_name_of_table(std::string_view name) {
                              [&](std::string const& key) { return key.substr(0, key.find_first_of(".[")) == name; });
 }
 
-/// Guards all_known(): configurations are made by many threads, and models may come and go meanwhile.
+/// Protects all_known(), since threads create configurations while models are registered and forgotten.
 std::mutex& mutex_of_all_known() {
   static std::mutex mutex;
   return mutex;

@@ -17,7 +17,7 @@ namespace gridlock {
 
 namespace {
 
-/// The values of a column in these rows, without those that were not measured.
+/// Returns the measured values of a column in rows first … end − 1.
 std::vector<double> values_of(std::vector<double> const& column, std::size_t first, std::size_t end) {
   std::vector<double> values;
   for (std::size_t row = first; row < std::min(end, column.size()); ++row) {
@@ -26,12 +26,12 @@ std::vector<double> values_of(std::vector<double> const& column, std::size_t fir
   return values;
 }
 
-/// Whether a result is the mean of these samples, and no value of the end.
+/// Returns whether an estimate is the mean of the samples, and not a value at the end of the run.
 bool is_mean_of(std::vector<double> const& samples, Estimate const& estimate) {
   double sum = 0.0;
   for (double const sample : samples) sum += sample;
   double const mean = sum / static_cast<double>(samples.size());
-  // The last interval of a rate may be shorter than the others, and weighs less.
+  // The last interval of a rate may be shorter and has less weight, so the means may differ slightly.
   return std::abs(mean - estimate.value) <= 0.2 * *estimate.error + 1e-12 * std::abs(mean);
 }
 
@@ -46,7 +46,7 @@ std::optional<Doubt> doubt_of(Table const& series, std::size_t left_out, NamedEs
   return find_doubt(values_of(*column, 0, left_out), kept);
 }
 
-/// The sum of what is counted under these names.
+/// Returns the value of a count of the simulation; 0 if there is none of this name.
 std::uint64_t count_of(Simulation const& simulation, std::string_view name) {
   for (Count const& count : simulation.counts()) {
     if (count.name == name) return count.value;
@@ -54,13 +54,13 @@ std::uint64_t count_of(Simulation const& simulation, std::string_view name) {
   return 0;
 }
 
-/// Averages over the disks.
+/// Averages over all disks: diameter, and root mean square speed.
 struct MeanDisk {
   double diameter = 0.0;
   double speed = 0.0;
 };
 
-/// Nothing for agents without radii and velocities. In pieces: several processes may have the disks.
+/// Returns nothing for agents without radii and velocities. Reads the frame in pieces, since processes may share it.
 std::optional<MeanDisk> mean_disk_of(FrameSource const& frame) {
   auto const radius = frame.find(Radius::name);
   auto const x = frame.find(VelocityX::name);
@@ -86,7 +86,7 @@ std::optional<MeanDisk> mean_disk_of(FrameSource const& frame) {
 }  // namespace
 
 std::vector<Event> withhold_errors(Table const& series, std::size_t left_out, std::vector<NamedEstimate>& results) {
-  // One note for each reason: most of what is doubtful is so together.
+  // One note lists all quantities with the same reason, since quantities are usually doubtful together.
   Event differs{.kind = EventKind::error_not_known, .key = "observe.equilibration", .values = {}};
   Event slow{.kind = EventKind::error_not_known, .key = "run", .values = {}};
   std::string names_that_differ;
@@ -124,7 +124,7 @@ std::vector<Event> notes_on_motion(Simulation const& simulation, double time, st
   auto const disks = static_cast<double>(simulation.agents());
   if (pairs == 0 || disks == 0.0 || !(time > 0.0)) return notes;
   double const hits = 2.0 * static_cast<double>(pairs) + static_cast<double>(count_of(simulation, "wall_hits"));
-  // Fewer collisions tell nothing.
+  // After fewer collisions per disk no conclusion is possible.
   constexpr double min_hits_per_disk = 20.0;
   if (!(hits >= min_hits_per_disk * disks)) return notes;
   std::optional<MeanDisk> disk;

@@ -10,13 +10,13 @@
 
 namespace gridlock {
 
-/// Takes the errors of averages away that the series contradicts, and says which and why.
+/// Removes the errors of averages that contradict the series, and returns notes with the names and reasons.
 ///
-/// Averages are the results with the name of a column whose mean over the samples they have; `left_out` samples at the
-/// start are not in them.
+/// A result is an average if a column has its name and its value is the mean of the column's samples. The first
+/// `left_out` samples do not count.
 std::vector<Event> withhold_errors(Table const& series, std::size_t left_out, std::vector<NamedEstimate>& results);
 
-/// Notes on hard disks after a run that took so much time: that they are still in their cages, or hardly fly.
+/// Returns notes on hard disks after a run of length `time`: that they have not left their cages, or hardly move.
 std::vector<Event> notes_on_motion(Simulation const& simulation, double time, std::span<NamedEstimate const> results);
 
 }  // namespace gridlock

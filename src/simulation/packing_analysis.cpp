@@ -14,10 +14,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no numbers that are none.
+/// Returns a number, or null for infinity and NaN, which JSON lacks.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-/// The columns that contacts and gaps share.
+/// Returns the columns that the tables of contacts and gaps have in common.
 Table pairs_table(PackingAnalysis const& analysis, std::span<Contact const> pairs) {
   std::size_t const disks = analysis.packing.size();
   std::vector<std::uint64_t> i, j, wall;
@@ -41,7 +41,7 @@ Table pairs_table(PackingAnalysis const& analysis, std::span<Contact const> pair
   return table;
 }
 
-/// How many sides of the box the image of the second disk is away.
+/// Adds the columns image_x and image_y: the number of box sides by which the image of the second disk is displaced.
 void add_images(Table& table, Packing const& packing, std::span<Contact const> pairs) {
   std::vector<double> x, y;
   for (Contact const& pair : pairs) {
@@ -61,7 +61,7 @@ std::vector<double> overlaps_of(std::span<Contact const> pairs, double sign) {
   return overlaps;
 }
 
-/// Null for all where there are no moduli.
+/// Adds the elastic moduli; all are null if the packing has none.
 void add_elasticity(Json& json, PackingAnalysis const& analysis) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   ElasticModuli const moduli = analysis.moduli.value_or(ElasticModuli{nan, nan, nan, nan, nan, nan});

@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// The questions to a packing.
+/// Selects the parts of an analysis of a packing.
 struct PackingQuestions {
   Potential potential = Potential::harmonic;
   double tolerance = 0.0;
@@ -21,37 +21,37 @@ struct PackingQuestions {
   double largest_residual = usual_largest_residual;
 };
 
-/// All that is known of the packing of a state, with its files.
+/// The analysis of the packing of a state, for tables and summary.json.
 struct PackingAnalysis {
-  Packing packing;                 ///< in the order of the Ids, all disks inside a periodic box
-  std::vector<std::uint64_t> ids;  ///< of its disks
+  Packing packing;                 ///< in the order of Ids, all disks inside a periodic box
+  std::vector<std::uint64_t> ids;  ///< Ids of the disks
   PackingQuestions questions;
   ContactNetwork network;
   std::vector<Contact> gaps;
-  std::optional<ElasticModuli> moduli;  ///< of a minimum
+  std::optional<ElasticModuli> moduli;  ///< only for a minimum of the energy
   std::optional<VibrationMode> softest_mode;
 };
 
-/// The contacts alone: no gaps, moduli and modes. Errors: those of find_contact_network().
+/// Finds only the contacts, without gaps, moduli and modes. Errors: those of find_contact_network().
 PackingAnalysis find_contacts_of(State const& state, PackingQuestions const& questions);
 
-/// Errors: those of find_contact_network() and find_gaps().
+/// Makes the analysis that `questions` selects. Errors: those of find_contact_network() and find_gaps().
 PackingAnalysis analyse_packing(State const& state, PackingQuestions const& questions);
 
-/// The answer of ContactNetwork::is_jammed() with the softest mode.
+/// Returns the result of ContactNetwork::is_jammed() for the softest mode of the analysis.
 std::optional<bool> is_jammed(PackingAnalysis const& analysis);
 
-/// The contacts: i and j as Ids (at a wall twice the same), the wall (0 none, 1 left, 2 right, 3 bottom, 4 top),
-/// distance, overlap, normal, force, the image of j that i touches, and whether both are of the backbone.
+/// Returns the contacts: i and j as Ids (equal at a wall), the wall (0 none, 1 left, 2 right, 3 bottom, 4 top),
+/// distance, overlap, normal, force, the image of j that i touches, and whether both belong to the backbone.
 Table contacts_table(PackingAnalysis const& analysis);
-/// The gaps, the closest first, in the same way.
+/// Returns the gaps in ascending order: i, j, wall, distance, normal, gap and image, as in contacts_table().
 Table gaps_table(PackingAnalysis const& analysis);
-/// The relative forces of the backbone, ascending: extended ones and those of bucklers, each with the share that is not
-/// above it.
+/// Returns the relative forces of the backbone in ascending order, extended forces and those of bucklers, each with the
+/// cumulative share of forces up to it.
 Table forces_table(PackingAnalysis const& analysis);
 
-/// The numbers in the words of summary.json; null for what is not known. Pressures, moduli and the softest mode are in
-/// ε/D².
+/// Returns the results with the names of summary.json; null for unknown values. Pressures, moduli and the softest mode
+/// are in ε/D².
 nlohmann::ordered_json summary_of(PackingAnalysis const& analysis);
 
 }  // namespace gridlock

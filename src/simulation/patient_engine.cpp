@@ -12,7 +12,7 @@
 namespace gridlock {
 
 double patience_for(State const& own, AllProcesses processes) {
-  /// Added row after row of all processes: Σ v, and Σ (v − mean)².
+  /// Sums over the rows of all processes in order: Σ v, and Σ |v − mean|².
   struct Sums {
     Vector velocity;
     double squares = 0.0;
@@ -47,7 +47,7 @@ void PatientEngine::advance(State& state, Counters& counters, StopCondition cons
     return is_patient && !stop_condition.stops_here();
   };
   engine_->advance(state, counters, watched);
-  // The root alone was asked.
+  // Only the root calls should_continue(), so it decides for all.
   if (processes_.of_root(is_patient)) return;
   throw RunFailure(
       fmt::format("no two disks have met for a time of {:.6g}, in which disks that move at random meet again "

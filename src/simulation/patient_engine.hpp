@@ -10,24 +10,23 @@
 
 namespace gridlock {
 
-/// How long a run that only collisions can end waits for the next one before it gives up, in physical time.
+/// Returns the time after which a run that only collisions can end fails without a collision, in physical time.
 ///
-/// In a gas of as many disks of the smallest size, a disk of the typical speed v meets another after about
-/// t = A / (N σ v). Ten thousand times that is far beyond chance for many disks and a million times for two, which pass
-/// each other now and then for long; yet it is soon over in a computer. Velocities count from their mean in a periodic
-/// box, where disks that all move alike never meet.
-/// `own` are the disks of this process, of all that share them.
+/// In a gas of N disks of the smallest size, a disk of typical speed v collides after about t = A / (N σ v). The result
+/// is 10⁴ t for many disks, and 10⁶ t for two disks, which may miss each other for long; either is beyond chance, yet
+/// takes little computing time. In a periodic box velocities are relative to their mean, since disks that move alike
+/// never meet. `own` are the disks of this process.
 double patience_for(State const& own, AllProcesses processes = {});
 
-/// An engine for runs that only collisions can end: it gives up where none come.
+/// An engine for runs that only collisions can end. It throws if none occur for a long time.
 ///
-/// How long it has waited is not serialized: a run that is resumed waits anew, and only one that fails depends on it.
+/// The waiting time is not serialized. A resumed run starts to wait anew, which affects only runs that will fail.
 class PatientEngine final : public EngineFor<HardDisks> {
  public:
   PatientEngine(std::unique_ptr<EngineFor<HardDisks>> engine, double patience, AllProcesses processes = {})
       : engine_(std::move(engine)), patience_(patience), processes_(processes) {}
 
-  /// Errors: RunFailure also where no collision comes for that long.
+  /// Errors: RunFailure also if no collision occurs within the time `patience`.
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step_of(State const& state) const override { return engine_->time_step_of(state); }
   void require_valid(State const& state) const override { engine_->require_valid(state); }
@@ -42,7 +41,7 @@ class PatientEngine final : public EngineFor<HardDisks> {
   std::unique_ptr<EngineFor<HardDisks>> engine_;
   double patience_;
   AllProcesses processes_;
-  std::optional<double> last_collision_;  ///< when one was last seen
+  std::optional<double> last_collision_;  ///< time at which the count last increased
   std::uint64_t collisions_seen_ = 0;
 };
 

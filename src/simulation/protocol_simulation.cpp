@@ -21,7 +21,7 @@ namespace gridlock {
 
 namespace {
 
-/// The decay of the correlations in all stages of swap Monte Carlo.
+/// Returns the table of correlations over the lag, for all stages of swap Monte Carlo.
 Distribution swap_table(std::vector<StageResult> const& stages) {
   Distribution table{
       .name = "swap_correlations",
@@ -41,7 +41,7 @@ Distribution swap_table(std::vector<StageResult> const& stages) {
   return table;
 }
 
-/// An entry of summary.json, of the stage that says it.
+/// A value of summary.json that a stage of the protocol provides.
 struct ResultEntry {
   ColumnInfo info;
   std::function<std::optional<double>(StageResult const&)> value_of;
@@ -50,13 +50,13 @@ struct ResultEntry {
 
 double number(bool flag) { return flag ? 1.0 : 0.0; }
 
-/// The results of the last stage, where its disks are hard.
+/// Returns the results of the last stage if its disks are hard.
 std::vector<ResultEntry> hard_entries() {
   return {
       {{"reduced_pressure", "", "βP/ρ of the hard disks in the last stage of the protocol."}, &StageResult::pressure}};
 }
 
-/// The results of the last stage of swap Monte Carlo.
+/// Returns the results of the last stage of swap Monte Carlo.
 std::vector<ResultEntry> swap_entries() {
   auto const of = [](auto member) {
     return [member](StageResult const& stage) { return std::invoke(member, *stage.swap); };
@@ -74,15 +74,15 @@ std::vector<ResultEntry> swap_entries() {
            [](StageResult const& stage) { return number(stage.swap->is_equilibrated); }}};
 }
 
-/// Whether the packing is unstable against compression; not where it has no modulus.
+/// Returns whether the packing is unstable against compression; false if its bulk modulus is NaN.
 bool gives_way(PressureLevel const& level) { return level.bulk_modulus <= 0.0; }
 
-/// The results of the last stage of soft disks.
+/// Returns the results of the last stage of soft disks.
 std::vector<ResultEntry> soft_entries() {
   auto const end = [](auto member) {
     return [member](StageResult const& stage) { return std::invoke(member, stage.levels.back()); };
   };
-  // At an instability moduli have any value: they would enter means over runs in place of those of solids.
+  // Moduli at an instability are left out, since arbitrary values would spoil means over runs.
   auto const modulus = [](auto member) {
     return [member](StageResult const& stage) {
       PressureLevel const& level = stage.levels.back();
@@ -219,7 +219,7 @@ Distribution levels_table(std::vector<StageResult> const& stages) {
   return table;
 }
 
-/// The table of contacts as `gridlock contacts` writes it; that of nothing without rows.
+/// Returns the table of contacts as `gridlock contacts` writes it; an analysis without contacts gives only columns.
 Distribution contacts_curve(PackingAnalysis const& analysis) {
   static std::map<std::string, std::string, std::less<>> const documentation{
       {"i", "Id of a disk."},
@@ -243,7 +243,7 @@ Distribution contacts_curve(PackingAnalysis const& analysis) {
   return curve;
 }
 
-/// A note on the stage of that number, from 0.
+/// Returns a note on a stage; `number` counts stages from 0.
 Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
   return {.kind = kind,
           .key = "protocol",
@@ -252,15 +252,15 @@ Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
                      {"packing_fraction", stage.packing_fraction}}};
 }
 
-/// Whether disks press on each other. Where the minimizer ends because they have moved apart, a few still overlap by
-/// the last digits.
+/// Returns whether disks exert pressure. Disks that the minimizer has moved apart may still overlap by rounding errors,
+/// which do not count.
 bool presses(StageResult const& stage) {
   PressureLevel const& level = stage.levels.back();
   bool const is_apart = level.backbone_disks == 0 && level.energy < min_energy_of_a_disk * stage.disks;
   return level.pressure > 0.0 && !is_apart;
 }
 
-/// The note on the end of swap Monte Carlo, of a ramp or of a quench.
+/// Returns the note on a stage of swap Monte Carlo, a ramp or a quench that missed its goal.
 std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   if (stage.swap && !stage.swap->is_equilibrated) {
     Event note = note_on(EventKind::stage_not_equilibrated, stage, number);
@@ -281,7 +281,7 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   return note;
 }
 
-/// Hard disks that nearly stand still where the protocol ends.
+/// Returns a note on hard disks whose pressure at the end of the protocol is so high that they hardly move.
 std::optional<Event> note_on_growth(StageResult const& stage, std::size_t number) {
   constexpr double high_pressure = 1e3;
   if (!stage_record(stage.kind).ends_near_jamming) return std::nullopt;
@@ -291,7 +291,7 @@ std::optional<Event> note_on_growth(StageResult const& stage, std::size_t number
   return note;
 }
 
-/// Disks that press and are not jammed: their jamming packing fraction is not that of a packing.
+/// Returns a note on disks under pressure that are not jammed, so that their jamming packing fraction is not valid.
 std::optional<Event> note_on_unjammed(StageResult const& stage, std::size_t number) {
   PressureLevel const& level = stage.levels.back();
   if (stage.is_jammed.value_or(true) || !presses(stage)) return std::nullopt;
@@ -308,7 +308,7 @@ std::optional<Event> note_on_unjammed(StageResult const& stage, std::size_t numb
   return note;
 }
 
-/// Disks that cover more than the box: hard ones never do.
+/// Returns a note on soft disks with a packing fraction above 1, which hard disks cannot have.
 std::optional<Event> note_on_density(StageResult const& stage, std::size_t number) {
   if (!(stage.packing_fraction > 1.0) || !stage.mean_overlap) return std::nullopt;
   Event note = note_on(EventKind::packing_too_dense, stage, number);
@@ -316,11 +316,11 @@ std::optional<Event> note_on_density(StageResult const& stage, std::size_t numbe
   return note;
 }
 
-/// A compression, or a shear, that costs nothing. In a periodic packing with one state of self-stress there is always
-/// one.
+/// Returns a note on a compression or shear that costs no energy. A periodic packing without excess contacts always has
+/// such a shear, so it gets no note.
 std::optional<Event> note_on_shear(StageResult const& stage, std::size_t number, bool is_periodic) {
   PressureLevel const& level = stage.levels.back();
-  // No number where no disks press.
+  // The comparison is false without pressure, when the bulk modulus is NaN.
   if (gives_way(level)) {
     Event note = note_on(EventKind::packing_gives_way, stage, number);
     note.values.emplace_back("bulk_modulus", level.bulk_modulus);
@@ -400,14 +400,14 @@ Preparation ProtocolSimulation::preparation() const {
 
 std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_.results(), state_.box.is_periodic()); }
 
-/// Whether the packing of the last stage is at hand, with forces that balance.
+/// Returns whether the last stage ends in a packing under pressure whose forces balance.
 bool ProtocolSimulation::ends_at_minimum() const {
   if (!is_prepared_ || has_run() || protocol_.results().empty()) return false;
   StageResult const& last = protocol_.results().back();
   return is_soft(last) && presses(last) && (last.is_converged.value_or(false) || last.is_jammed.value_or(false));
 }
 
-/// Before its first step a run has measured nothing.
+/// Returns whether the run after the protocol has begun; before its first step it has no measurements.
 bool ProtocolSimulation::has_run() const { return is_prepared_ && simulation_->clock() != start_clock_; }
 
 void ProtocolSimulation::observe(std::unique_ptr<Observable> observable) {
@@ -485,7 +485,7 @@ void ProtocolSimulation::serialize(Archive& archive) {
   serialize_inside(archive, "state", [&] { gridlock::serialize(archive, state_); });
   serialize_inside(archive, "protocol", [&] { protocol_.serialize(archive, state_); });
   if (!is_prepared_) return;
-  // The state is still the one with which the simulation began.
+  // state_ is the state at the end of the protocol, from which the simulation begins.
   if (archive.is_restoring()) begin_simulation();
   serialize_inside(archive, "simulation", [&] { simulation_->serialize(archive); });
 }

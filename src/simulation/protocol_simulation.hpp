@@ -12,18 +12,18 @@
 
 namespace gridlock {
 
-/// The results that a protocol adds to summary.json, and its tables without rows: gridlock explain knows them by this.
+/// Returns the results that a protocol adds to summary.json; the next function its tables, without rows, for the help.
 std::vector<ColumnInfo> protocol_results();
 std::vector<Distribution> protocol_tables();
 
-/// Disks that a protocol prepares, and the simulation that begins where it ends.
+/// A simulation of disks that begins after a protocol has prepared them.
 ///
-/// Until then the simulation is one of the start that nothing advances or samples; it knows the columns of the series.
-/// The clock of the simulation is that of the start, whatever time has passed in the protocol.
+/// During the protocol, `simulation_` holds the start and provides only the columns of the series. The clock does not
+/// advance during the protocol.
 class ProtocolSimulation final : public Simulation {
  public:
-  /// Makes the simulation of a state; called for the start at once, whose disks may overlap, and again at the end of
-  /// the protocol.
+  /// Makes the simulation of a state. It is called for the start, whose disks may overlap, and again for the state at
+  /// the end of the protocol.
   using MakeSimulation = std::function<std::unique_ptr<DiskSimulation>(State state, bool is_prepared)>;
 
   ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make);
@@ -38,7 +38,7 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] Box const& box() const override { return state_.box; }
   [[nodiscard]] AgentsView view() const override;
   [[nodiscard]] std::uint64_t state_hash() const override;
-  /// Counts of the run after the protocol; none where nothing was run.
+  /// Returns the counts of the run after the protocol; none before its first step.
   [[nodiscard]] std::vector<Count> counts() const override {
     return has_run() ? simulation_->counts() : std::vector<Count>();
   }
@@ -65,7 +65,7 @@ class ProtocolSimulation final : public Simulation {
   MakeSimulation make_;
   SoftSettings soft_;
   Clock start_clock_;
-  State state_;  ///< of the protocol; once prepared the simulation has it
+  State state_;  ///< state of the protocol; after it the simulation owns the state
   Protocol protocol_;
   bool is_prepared_ = false;
   std::unique_ptr<DiskSimulation> simulation_;

@@ -80,7 +80,7 @@ RunStatus Run::advance_to(std::uint64_t step, OnProgress const& on_progress, Cal
         break;
       }
       if (simulation_.clock().step >= pause_at_) break;
-      // A wish to stop that comes with the last step comes too late to interrupt anything.
+      // A stop requested during the last step does not interrupt the run, since it has reached its end.
       if (!advance_one_chunk(on_progress, callback) && !has_reached_end()) break;
     }
   } catch (RunFailure const& failure) {
@@ -91,7 +91,7 @@ RunStatus Run::advance_to(std::uint64_t step, OnProgress const& on_progress, Cal
   return status_;
 }
 
-/// Returns whether the simulation is prepared.
+/// Prepares the simulation. Returns false if the user stopped it before the end.
 bool Run::prepare(OnProgress const& on_progress, Callback const& callback) {
   while (!simulation_.is_prepared()) {
     bool is_stopped = false;
@@ -116,14 +116,14 @@ bool Run::prepare(OnProgress const& on_progress, Callback const& callback) {
   return true;
 }
 
-/// Returns whether to continue.
+/// Advances to the next stop. Returns false if the user stopped the run.
 bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callback) {
   auto const is_callback_due = [&] { return callback.is_due && callback.is_due(steps_done()); };
   bool is_stopped = false;
   std::exception_ptr failure_of_listener;
   std::uint64_t last_look = steps_done();
   StopCondition stop = next_stop();
-  // Engines need not get through the exceptions of others.
+  // An exception of a callback is stored and thrown later, since it must not pass through an engine.
   stop.should_continue = [&]() noexcept {
     if (!rate_limiter_.is_due()) return true;
     last_look = steps_done();
@@ -140,7 +140,7 @@ bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callb
     throw RunFailure(fmt::format("step {}: the time is beyond all numbers, with a time step of {}",
                                  simulation_.clock().step, simulation_.time_step()));
   }
-  // The root alone knows the time and the user.
+  // Only the root reads the clock and calls the user's functions, so it decides for all processes.
   struct Look {
     bool is_callback_due = false;
     bool is_stopped = false;
@@ -176,7 +176,7 @@ Extent Run::extent() const {
           .pair_collisions = simulation_.pair_collisions()};
 }
 
-/// The share of the run that is done: the largest of the shares of its lengths.
+/// Returns the fraction of the run that is done: the largest of the fractions in steps, time and collisions.
 double Run::fraction_of(Extent const& extent) const {
   StopCondition const& end = plan_.stop_condition;
   auto const share = [](double done, double all) { return all > 0.0 ? done / all : 1.0; };
@@ -187,7 +187,7 @@ double Run::fraction_of(Extent const& extent) const {
   return std::min(std::max({steps, time, collisions}), 1.0);
 }
 
-/// Share of the whole work, for progress alone: all of it where nothing is run after a protocol.
+/// Returns the fraction of progress that the protocol takes: all if no run follows, otherwise half by convention.
 double Run::share_of_preparation() const { return plan_.stop_condition.step == first_.step ? 1.0 : 0.5; }
 
 double Run::fit_equilibration() {
@@ -197,11 +197,11 @@ double Run::fit_equilibration() {
   return plan_.equilibration;
 }
 
-/// Does what is due at this time, once: multiples of sample_every are counted from the start, so that the times of the
-/// samples do not depend on interruptions.
+/// Samples and writes what is due at this step, once. Multiples of sample_every count from the start, so that
+/// interruptions do not change the times of samples.
 void Run::stop_here() {
   if (last_stop_ == simulation_.clock()) return;
-  // Some engines can be stopped between two steps, after which the step they are in is not due again.
+  // Some engines can stop within a step; the writers of that step are not called again.
   bool const is_new_step = !last_stop_ || last_stop_->step != simulation_.clock().step;
   bool const is_first = !last_stop_;
   last_stop_ = simulation_.clock();
@@ -216,7 +216,7 @@ void Run::stop_here() {
 }
 
 void Run::sample() {
-  // The first sample is the start itself, which is no average of anything.
+  // The sample at the start is never part of an average.
   bool const is_equilibrated =
       left_out_until_ ? simulation_.clock().step > *left_out_until_ : fraction_done() > plan_.equilibration;
   bool const counts = steps_done() > 0 && is_equilibrated;
@@ -232,7 +232,7 @@ void Run::sample() {
   std::ranges::copy(values, std::back_inserter(last_row_));
 }
 
-/// Where the next chunk ends.
+/// Returns the stop condition of the next chunk: the next sample, frame or pause, or the end of the run.
 StopCondition Run::next_stop() const {
   std::uint64_t next = next_multiple(plan_.sample_every, steps_done());
   for (Writer const* writer : writers_) next = std::min(next, writer->next_after(steps_done()));

@@ -7,30 +7,30 @@
 
 namespace gridlock {
 
-/// Dotted keys of settings and their values in TOML.
+/// Values of settings in TOML by dotted key.
 using SettingTexts = std::map<std::string, std::string>;
 
-/// The settings of a TOML text. Errors: Error for a text that is not TOML; `name` names the file.
+/// Returns the settings of a TOML text. Errors: Error if the text is not TOML; `name` is the name of the file.
 SettingTexts setting_texts(std::string const& toml, std::string const& name);
 
-/// A setting with one value in one place and another in another.
+/// A setting with different values in two files.
 struct SettingDifference {
   std::string key;
-  std::string here;   ///< TOML; empty where it is left out
-  std::string there;  ///< the same
+  std::string here;   ///< value in the first file as TOML; empty if missing
+  std::string there;  ///< value in the second file as TOML; empty if missing
 
   friend bool operator==(SettingDifference const&, SettingDifference const&) = default;
 };
 
-/// The settings that a run which is made longer may change.
+/// Returns the keys of settings that may change when a run is lengthened.
 std::set<std::string> const& settings_of_length();
 
-/// The first setting, in alphabetical order, that differs; nothing where all agree. Neither the `ignored` keys count
-/// nor engine.threads, on which no result depends.
+/// Returns the first difference in alphabetical order; nothing if all settings agree. The `ignored` keys and
+/// engine.threads, which affects no result, are not compared.
 std::optional<SettingDifference> find_difference(SettingTexts const& here, SettingTexts const& there,
                                                  std::set<std::string> const& ignored = {});
 
-/// "run.steps is 10 in first, and left out in second".
+/// Returns a sentence part such as "run.steps is 10 in first, and left out in second".
 std::string to_text(SettingDifference const& difference, std::string const& here, std::string const& there);
 
 }  // namespace gridlock

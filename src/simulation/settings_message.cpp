@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-/// Visits values one after the other, each behind its key: exchange(value) writes or reads it.
+/// Visits each setting in order with its key; exchange(value) writes the value to a message or reads it.
 template <class Exchange>
 class ValueVisitor : public SettingVisitor {
  public:

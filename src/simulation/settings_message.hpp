@@ -5,8 +5,8 @@
 
 namespace gridlock {
 
-/// The settings become those of the root, in all processes, which call it together.
-/// Errors: RunFailure where a process has other settings to give values to: then it is another program.
+/// Copies the settings of the root to all processes, which call this together.
+/// Errors: RunFailure if a process has other keys, and thus runs another version of the program.
 void broadcast_settings(AllProcesses processes, Describe const& describe);
 
 }  // namespace gridlock

@@ -37,7 +37,7 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
   broadcast_settings(options.processes, describing(configuration));
   try {
     SetupOptions known = options;
-    // A file named on the command line is relative to the working directory, one named in the TOML file to that file.
+    // A path on the command line is relative to the working directory, a path in a TOML file to that file's directory.
     auto const location = file.location("disks.file");
     bool const is_from_command_line = location && location->line == 0;
     if (!is_from_command_line) known.directory = file.directory();
@@ -56,7 +56,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   Setup setup;
   setup.notes = unused_settings(configuration, options.is_given);
   setup.configuration = std::move(configuration);
-  // The model of the run is decided: the settings of others would only fill its resolved configuration.
+  // The settings of other models are removed, since they would be written into config.resolved.toml without effect.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
   RunSettings& run = setup.configuration.run;
   if (!run.steps && !run.time && !run.collisions_per_disk) {

@@ -20,16 +20,16 @@ namespace gridlock {
 
 namespace {
 
-/// Rows in one message.
+/// Maximum number of rows in a message.
 constexpr std::size_t rows_of_piece = std::size_t{1} << 15;
 
-/// The head of a file.
+/// The header of a start file, as a message to all processes.
 struct FileHead {
   double width, height;
   std::uint64_t is_periodic;
   Clock clock;
-  std::uint64_t count;         ///< of rows
-  std::uint64_t likely_count;  ///< for how many rows there should be room, whatever the file says
+  std::uint64_t count;         ///< number of rows
+  std::uint64_t likely_count;  ///< rows to reserve memory for, even if `count` is damaged
   std::uint64_t has_radii;
   std::uint64_t has_velocities;
 };
@@ -47,30 +47,30 @@ FileHead head_of(xyz::Reader const& reader) {
           .has_velocities = number(reader.columns().has_velocities())};
 }
 
-/// The first number of a message with rows.
+/// The first number of a message of the root: rows follow, or the file has ended.
 enum class PieceOfFile : std::uint64_t { rows, end };
 
-/// The answer of a process about the order of its Ids.
+/// The Ids of a process: their number, first and last Id, and whether they ascend.
 struct OrderOfRows {
   std::uint64_t count;
   Id first, last;
   std::uint64_t ascends;
 };
 
-/// The answer of a process about its radii.
+/// The radii of a process: their number and range, and whether the settings allow them.
 struct RadiiOfProcess {
   std::uint64_t count;
   RadiusRange radii;
   std::uint64_t are_as_asked;
 };
 
-/// One slot of a population goes to one process, and neighbouring slots anywhere.
+/// Returns the process that checks a slot. All Ids with the same slot go to the same process; a hash spreads the slots.
 std::size_t process_of_slot(std::uint64_t slot, std::size_t processes) {
   std::uint64_t const scattered = (slot * 0x9E3779B97F4A7C15ULL) >> 32;
   return static_cast<std::size_t>((scattered * processes) >> 32);
 }
 
-/// The part of one process.
+/// The rows of a start file that belong to one process.
 class PartOfStart {
  public:
   PartOfStart(Communicator& processes, FileHead const& head, AskedRadii asked)
@@ -81,7 +81,7 @@ class PartOfStart {
     disks_.reserve(std::min(rows_.rows_of(processes.rank()), head.likely_count));
   }
 
-  /// The root reads all rows and hands them out as they come. Errors: Error.
+  /// Reads all rows on the root and sends each piece to its process. Errors: Error.
   void hand_out(xyz::Reader& reader, DisksSettings const& settings) {
     try {
       hand_out_rows(reader, radius_without_column(settings, reader.box(), reader.count()));
@@ -92,7 +92,7 @@ class PartOfStart {
     end();
   }
 
-  /// Takes the rows of this process, until all have come or the root refuses the file.
+  /// Receives the rows of this process until the root has sent all or refuses the file.
   void receive() {
     while (true) {
       Message const bytes = processes_.receive(0);
@@ -103,7 +103,7 @@ class PartOfStart {
     }
   }
 
-  /// Puts the rows of all processes in the order of their Ids, unless some Id is wrong. All call it, and get the same.
+  /// Sorts the rows of all processes by Id, unless an Id is wrong. All processes call it and get the same result.
   std::optional<xyz::WrongId> sort() {
     if (are_in_order()) return std::nullopt;
     if (auto const wrong = find_wrong_id()) return wrong;
@@ -119,7 +119,7 @@ class PartOfStart {
     return file;
   }
 
-  /// What all disks are like. All call it.
+  /// Returns a summary of the disks of all processes. All processes call it.
   [[nodiscard]] StartFileSummary summary(State const& own) const {
     StartFileSummary summary{.box = own.box, .has_radii = head_.has_radii != 0, .count = head_.count};
     RadiiOfProcess const radii{.count = own.agents.size(),
@@ -135,7 +135,7 @@ class PartOfStart {
       summary.are_radii_as_asked = summary.are_radii_as_asked && next.are_as_asked != 0;
       is_first = false;
     }
-    // In the order of one process: sums of floating-point numbers depend on it.
+    // The squares are added in the order of a single process, since floating-point sums depend on the order.
     double const squares = AllProcesses(processes_).change_in_order(0.0, [&](double& sum) {
       for (double const radius : own.agents.column<Radius>()) sum += radius * radius;
     });
@@ -181,7 +181,7 @@ class PartOfStart {
             .image_y = row.image_y};
   }
 
-  /// Whether the rows of all processes are in the order of Ids that cannot be wrong.
+  /// Returns whether the Ids of all processes ascend and are certain to be valid.
   [[nodiscard]] bool are_in_order() const {
     auto const descends = [](DiskRow const& one, DiskRow const& next) { return one.id >= next.id; };
     bool const ascends = std::ranges::adjacent_find(disks_, descends) == disks_.end();
@@ -201,7 +201,7 @@ class PartOfStart {
     return true;
   }
 
-  /// The wrong Id of the lowest slot, which one process would find.
+  /// Returns the wrong Id with the lowest slot, the same that a single process would find.
   [[nodiscard]] std::optional<xyz::WrongId> find_wrong_id() const {
     std::vector<xyz::IdOfRow> ids;
     ids.reserve(disks_.size());
@@ -227,8 +227,8 @@ class PartOfStart {
   Communicator& processes_;
   FileHead head_;
   AskedRadii asked_;
-  RowDivision rows_;            ///< before they are sorted the rows of the file, then those of the Ids
-  std::vector<DiskRow> disks_;  ///< of this process
+  RowDivision rows_;            ///< division of the file's rows, and after sort() of the sorted rows
+  std::vector<DiskRow> disks_;  ///< disks of this process
 };
 
 }  // namespace

@@ -10,22 +10,22 @@
 
 namespace gridlock {
 
-/// A file that the disks of all processes start from.
+/// A file with the disks at the start of a run on several processes.
 struct StartFile {
-  xyz::Reader* reader = nullptr;  ///< of the root, which has read the head
-  /// Compares all disks with the settings, and may refuse them; the root calls it.
+  xyz::Reader* reader = nullptr;  ///< reader on the root, after the header
+  /// Compares the disks with the settings; may throw Error. Only the root calls it.
   std::function<void(StartFileSummary const&)> take_summary;
 };
 
-/// The part of a start file that one of several processes has: its rows in the order of the Ids of all.
+/// The rows of a start file that belong to one process; the Ids ascend over all processes.
 struct RowsOfFile {
-  State own;  ///< with the box and the clock of the file
+  State own;  ///< disks of this process, with box and clock of the file
   bool has_velocities = false;
 };
 
-/// The root reads the file piece by piece and hands it out: no process ever has all rows. The Ids may be in any order;
-/// the processes sort them. All call it. Errors: Error on all of them: those of read_xyz(), with their place, and of
-/// take_summary.
+/// Reads a start file on the root and distributes its rows piece by piece, so that no process holds all. The processes
+/// then sort the rows by Id. All processes call it. Errors: Error in all processes: those of read_xyz(), with line
+/// numbers, and of take_summary.
 RowsOfFile read_together(Communicator& processes, DisksSettings const& settings, StartFile const& file);
 
 }  // namespace gridlock

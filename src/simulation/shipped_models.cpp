@@ -15,7 +15,7 @@ void add(ModelKinds& kinds) {
 
 }  // namespace
 
-/// Adding a model means one line here and a file in models/.
+/// Lists all models of Gridlock. A new model needs an entry here and a file in models/.
 ModelKinds shipped_models() {
   ModelKinds kinds;
   kinds.add(disks_kind());

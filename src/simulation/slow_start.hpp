@@ -8,10 +8,10 @@
 
 namespace gridlock {
 
-/// Fewer agents find room, or give up, within a few seconds.
+/// Number of agents from which a random start may be slow; with fewer it succeeds or fails within a few seconds.
 constexpr std::uint64_t many_agents = 25'000;
 
-/// Whether a start that tries so many random places is to be made; one that is not is noted under `key`.
+/// Returns whether to make a start that needs about `attempts` random positions. If not, adds a note under `key`.
 bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<Event>& notes);
 
 }  // namespace gridlock

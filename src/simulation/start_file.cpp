@@ -22,7 +22,7 @@ Error contradiction(std::string key, std::string what) {
 
 bool is_close(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
 
-/// A file brings its box; a box that was asked for besides must be the same.
+/// Takes the box of the file. Errors: Error if the settings give a different box.
 void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
   bool const asks_for_size = is_given("box.side") || is_given("box.width") || is_given("box.height");
   double const width = settings.width.value_or(settings.side);
@@ -42,7 +42,7 @@ void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
   }
 }
 
-/// Refuses a file without radii where the settings do not give them.
+/// Throws an Error if neither file nor settings give radii.
 void require_sizes(DisksSettings const& settings) {
   if (!settings.radius && !settings.packing_fraction) {
     throw Error({.what = "the start file has no radii, and none are given",
@@ -143,7 +143,7 @@ std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings co
     add(EventKind::columns_unused, Severity::note, {{"names", fmt::format("{}", fmt::join(unused, ", "))}});
   }
   std::vector<std::string> entries = reader.header().unused_entries;
-  // A run has a seed of its own, whatever a file says.
+  // The seed in a file is not reported as unused, since a run always has a seed of its own.
   std::erase_if(entries, [](std::string const& entry) { return entry.starts_with("seed"); });
   if (!entries.empty()) {
     add(EventKind::entries_unused, Severity::note,

@@ -9,17 +9,17 @@
 
 namespace gridlock {
 
-/// The facts about a file that disks start from with which the settings are compared.
+/// The properties of a start file that are compared with the settings.
 struct StartFileSummary {
   Box box;
-  bool has_radii = false;  ///< otherwise the disks have the size asked for, see radius_without_column()
+  bool has_radii = false;  ///< false: radius_without_column() gives the radius of all disks
   std::uint64_t count = 0;
   RadiusRange radii;
   double covered_area = 0.0;
-  bool are_radii_as_asked = true;  ///< see AskedRadii
+  bool are_radii_as_asked = true;  ///< result of AskedRadii::are_of()
 };
 
-/// Whether disks have a radius that the settings ask for, as one of the kinds asked for.
+/// Checks whether each radius is one that the settings give, to disks or to one of their species.
 class AskedRadii {
  public:
   explicit AskedRadii(DisksSettings const& settings);
@@ -27,20 +27,20 @@ class AskedRadii {
   [[nodiscard]] bool are_of(Disks const& disks) const;
 
  private:
-  std::vector<double> radii_;  ///< none where any will do
+  std::vector<double> radii_;  ///< allowed radii; empty if all are allowed
 };
 
-/// The radius of disks whose file has none; 0 where the settings give no size.
+/// Returns the radius of disks from a file without radii; 0 if the settings give no size.
 double radius_without_column(DisksSettings const& settings, Box const& box, std::uint64_t count);
 
-/// Fills in what the file decides. Errors: Error where a setting contradicts it.
+/// Sets the settings that the file determines. Errors: Error if a given setting contradicts the file.
 void take_summary(Configuration& configuration, StartFileSummary const& file, IsGiven const& is_given);
 
-/// The disks of a file of which the head has been read, all in this process; the configuration learns what the file
-/// decides. Errors: Error.
+/// Reads all disks of a file after its header into this process, and sets the settings that the file determines.
+/// Errors: Error.
 State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGiven const& is_given);
 
-/// Notes on a file that has been read: what it lacks, and what is not used.
+/// Returns notes on a start file: on missing columns and unused data.
 std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings const& velocities);
 
 }  // namespace gridlock

@@ -55,7 +55,7 @@ void TrajectoryWriter::restore(FrameSource const& frame, std::uint64_t first_ste
         fmt::format("{} is missing: the frames of the first {} steps are lost", origin_.file.string(), written_until));
   }
   try {
-    // Before the file is opened for writing.
+    // The settings are compared first, since opening the file for writing changes it.
     auto const difference =
         find_difference(setting_texts(format_.configuration_of(origin_.file), "trajectory.h5"),
                         setting_texts(origin_.configuration, "config.resolved.toml"), settings_of_length());

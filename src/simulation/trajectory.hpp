@@ -16,31 +16,31 @@
 
 namespace gridlock {
 
-/// Writes the frames of a run into a file while it runs.
+/// Writes the frames of a run to a file during the run.
 ///
-/// Nothing of it is in a checkpoint: the file itself says which frames it holds. A run that continues from an earlier
-/// step comes by frames that are there already; they stay, and their state hash must be the one of the run.
+/// A checkpoint contains no frames; the file itself lists its steps. A run that continues from an earlier step reaches
+/// frames that exist already; these are kept, and their state hash must equal the run's.
 class TrajectoryWriter final : public Writer {
  public:
   struct Origin {
     std::filesystem::path file;
     std::string configuration;
     std::string version;
-    /// Names that the model gives the numbers 0, 1, 2 … of a column; empty where they have none.
+    /// Returns the meanings of values 0, 1, 2 … of a column; none if they have no names.
     std::function<std::vector<std::string>(std::string_view column)> value_names;
   };
 
-  /// Begins the file at the first frame, or continues one that is there. Its name says in which format: one of those
-  /// that runs can write.
+  /// The file is created at the first frame, or an existing one is continued. The extension of its name determines the
+  /// format, one that runs can write.
   TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin);
 
-  /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was
-  /// due up to the step `written_until` after the start: going on would leave it out without a word.
+  /// Opens the file of a restored run. Errors: Error if it is missing, damaged, or lacks a frame that was due at most
+  /// `written_until` steps after the start, since continuing would leave a gap.
   void restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const override { return schedule_.is_due(steps); }
   [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const override { return schedule_.next_after(steps); }
-  /// Errors: RunFailure where the file cannot be written or holds another run.
+  /// Errors: RunFailure if the file cannot be written or belongs to another run.
   void write(Simulation const& simulation, std::span<double const> sample) override;
   void serialize(Archive&) override {}
 
