@@ -7,7 +7,7 @@
 
 namespace gridlock {
 
-/// When the next checkpoint is due.
+/// Decides when a checkpoint is due, by time and by steps since the last one.
 class CheckpointClock {
  public:
   explicit CheckpointClock(CheckpointSettings const& settings) : settings_(settings) {}

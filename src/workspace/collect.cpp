@@ -30,7 +30,7 @@ Error different_sweeps(std::string what) {
   return Error({.what = std::move(what), .hint = "collect them one by one, into directories of their own with -o"});
 }
 
-/// All runs of several plans, each once.
+/// Returns a plan with the runs of all plans; runs with the same name are listed once.
 SweepPlan merged_plan(std::vector<fs::path> const& directories) {
   SweepPlan merged = read_plan(directories.front());
   std::set<std::string> known;
@@ -51,13 +51,13 @@ SweepPlan merged_plan(std::vector<fs::path> const& directories) {
   return merged;
 }
 
-/// One run as it is in one of the directories.
+/// A run in one of the directories.
 struct RecordedRun {
   fs::path directory;
   std::optional<RunSummary> summary;
 };
 
-/// The run in every directory that has begun it. Errors: Error where two of them are of different settings.
+/// Returns all copies of a run that has begun in several directories. Errors: Error if copies have different settings.
 std::vector<RecordedRun> recorded_runs(std::vector<fs::path> const& directories, SweepRun const& run) {
   std::vector<RecordedRun> runs;
   std::optional<SettingTexts> settings;
@@ -85,7 +85,7 @@ std::vector<RecordedRun> recorded_runs(std::vector<fs::path> const& directories,
   return runs;
 }
 
-/// The run that came farthest: to its end, or at all.
+/// Returns a finished copy, or else any copy with a summary; null if there is none.
 RecordedRun const* best_of(std::vector<RecordedRun> const& runs) {
   RecordedRun const* best = nullptr;
   for (RecordedRun const& run : runs) {
@@ -96,14 +96,14 @@ RecordedRun const* best_of(std::vector<RecordedRun> const& runs) {
   return best;
 }
 
-/// Refuses a path that a symbolic link leads out of the output directory. What is collected may come from a stranger.
+/// Throws an Error if a symbolic link leads `path` out of the output directory, since collected data may be hostile.
 void require_inside(fs::path const& into, fs::path const& path) {
   std::error_code error;
   fs::path const base = fs::canonical(into, error);
   fs::path const real = error ? fs::path() : fs::weakly_canonical(path, error);
   auto const [base_end, real_end] = std::mismatch(base.begin(), base.end(), real.begin(), real.end());
   std::error_code ignored;
-  // Where a link without a target leads is where a file would appear.
+  // Writing through a link without a target would create its target, which may be anywhere.
   bool const is_dangling = fs::is_symlink(path, ignored) && !fs::exists(path, ignored);
   if (!error && !is_dangling && base_end == base.end()) return;
   throw Error({.what = fmt::format("a link leads {} out of the output directory {}", path.string(), into.string()),
@@ -111,17 +111,17 @@ void require_inside(fs::path const& into, fs::path const& path) {
                .key = "-o"});
 }
 
-/// Refuses an output directory with a link among its files that leads out: tables and pictures are written through
+/// Throws an Error if a link in the output directory leads out of it, since tables and pictures are written through
 /// links.
 void require_no_links_out(fs::path const& into) {
   std::error_code ignored;
   for (auto const& entry : fs::directory_iterator(into, ignored)) {
-    // Nothing is written into runs/ but copies of runs, which are checked one by one.
+    // runs/ receives only copies of runs, and copy_run() checks each of their paths.
     if (entry.is_symlink(ignored) && entry.path().filename() != "runs") require_inside(into, entry.path());
   }
 }
 
-/// Copies the content of a file under its name or not at all. A link that has the name is replaced, not followed.
+/// Copies a file; the copy appears complete or not at all, and replaces a link of its name instead of following it.
 void copy_whole(fs::path const& from, fs::path const& to) {
   AtomicFile file(to, AtName::replaced);
   try {
@@ -132,7 +132,7 @@ void copy_whole(fs::path const& from, fs::path const& to) {
   file.commit();
 }
 
-/// The files of a run, without its summary. Hidden files are locks, and leftovers of a killed process.
+/// Returns the files of a run without its summary and without hidden files, which are locks and temporary files.
 std::vector<std::string> names_of_files(RecordedRun const& run) {
   std::vector<std::string> names;
   for (auto const& entry : fs::directory_iterator(run.directory)) {
@@ -143,7 +143,7 @@ std::vector<std::string> names_of_files(RecordedRun const& run) {
   return names;
 }
 
-/// Copies the files of a run, the summary last and gone first: a directory with a summary is a complete one.
+/// Copies a run. The old summary is removed first and the new one is copied last, so that only complete runs have one.
 void copy_run(RecordedRun const& run, fs::path const& into, fs::path const& target) {
   require_inside(into, target);
   make_output_directory(target);
@@ -156,8 +156,8 @@ void copy_run(RecordedRun const& run, fs::path const& into, fs::path const& targ
   copy_whole(run.directory / summary_name, target / summary_name);
 }
 
-/// Refuses to replace files that Gridlock has not written, before the first is copied. A sweep that is itself
-/// collected, but was copied here without its hidden lists, is taken for what it says.
+/// Throws an Error before any copy if files would be replaced that Gridlock did not write. If the output directory is
+/// also collected, its results count as Gridlock's even without the hidden lists.
 void protect_target(std::vector<fs::path> const& directories, fs::path const& into, bool overwrites,
                     SweepPlan const& plan, std::vector<std::optional<RecordedRun>> const& best) {
   bool const is_collected = std::ranges::any_of(directories, [&](fs::path const& directory) {

@@ -24,7 +24,7 @@ std::string length_text(RunLength const& length) {
 
 namespace {
 
-/// Refuses a length below one of the same kind that the run has: its frames and samples may lie beyond already.
+/// Throws an Error if a length is below the run's own of the same kind, since samples may exist beyond it.
 void require_longer(RunSettings const& old, RunLength const& length, std::filesystem::path const& directory) {
   RunLength const had{.steps = old.steps, .time = old.time, .collisions_per_disk = old.collisions_per_disk};
   bool const is_shorter =
@@ -77,7 +77,7 @@ SettingsFile settings_to_continue(std::filesystem::path const& directory, std::o
   if (!length) return file;
   Configuration const old = read_configuration(file);
   require_longer(old.run, *length, directory);
-  // As after a kill in the middle of lengthening to it.
+  // A run that was killed while it was lengthened already has the new length.
   if (!is_finished && are_same(old.run, *length)) length.reset();
   if (length) set_length(file, *length);
   return file;

@@ -9,17 +9,17 @@
 
 namespace gridlock {
 
-/// The settings of a run as its directory keeps them.
+/// Name of the file with the resolved configuration of a run.
 inline constexpr char const* configuration_name = "config.resolved.toml";
 
-/// Errors: Error where a directory holds no run.
+/// Errors: Error if the directory contains no run.
 void require_run(std::filesystem::path const& directory);
 
-/// The settings of the run in a directory, with another length where one is asked for; a length that the run has
-/// already is none. Errors: Error where the run cannot be continued.
+/// Returns the settings of the run in a directory, with `length` if that is given. Resets `length` if an unfinished run
+/// already has it. Errors: Error if the run cannot be continued.
 SettingsFile settings_to_continue(std::filesystem::path const& directory, std::optional<RunLength>& length);
 
-/// "300 steps or time 2.5"
+/// Returns a length as text: "300 steps or time 2.5".
 std::string length_text(RunLength const& length);
 
 }  // namespace gridlock

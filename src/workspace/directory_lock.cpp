@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-/// Who looks whether a lock is held has it for a moment, and is no reason to give up.
+/// Attempts to get a lock, since is_held() in another process may hold it for a moment.
 constexpr int attempts = 5;
 constexpr std::chrono::milliseconds between_attempts{10};
 
@@ -53,14 +53,14 @@ DirectoryLock::DirectoryLock(std::filesystem::path const& directory, Sharing sha
 }
 
 DirectoryLock::~DirectoryLock() {
-  // The last one of those who share it tidies up.
+  // The last of several processes with a shared lock removes the file.
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) unlink(path_.c_str());
   close(descriptor_);
 }
 
 bool DirectoryLock::is_held(std::filesystem::path const& directory) {
   int const descriptor = open((directory / file_name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  // Who ends takes the file away.
+  // A process that ends removes the file of its lock.
   if (descriptor < 0) return errno != ENOENT;
   bool const is_held = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
   close(descriptor);

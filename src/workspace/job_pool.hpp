@@ -17,22 +17,22 @@
 
 namespace gridlock {
 
-/// On how many cores `threads` runs at a time are carried out; 0: all that the process may use. More threads than cores
-/// would only wait for one another, and oneTBB would complain about it on the terminal.
+/// Returns the number of cores for `threads` simultaneous runs; 0 means all available cores. More threads than cores
+/// would only wait, and oneTBB would print a warning.
 inline int jobs_for(unsigned threads) {
   int const cores = static_cast<int>(usable_cores());
   return threads == 0 ? cores : std::min(static_cast<int>(threads), cores);
 }
 
-/// A pool of threads that carry out many runs, each taking the next longest one as soon as it is free.
+/// A pool of threads that carry out runs; each free thread takes the longest run that is left.
 ///
-/// The results do not depend on the number of threads, as long as carry_out(run) writes to places of its own.
+/// Results do not depend on the number of threads if each call of carry_out(run) writes only to its own data.
 class JobPool {
  public:
   using OnProgress = std::function<bool(double fraction, std::size_t finished)>;
 
-  /// `work` of each run in any unit, for the order and the progress. on_progress is called from any thread, one call at
-  /// a time; returning false lets no further run begin and makes report() return false.
+  /// `work` is the work of each run in any unit, for order and progress. Any thread may call on_progress, but only one
+  /// at a time; if it returns false, no further run begins and report() returns false.
   JobPool(std::vector<double> work, OnProgress on_progress)
       : work_(std::move(work)), done_(work_.size(), 0.0), on_progress_(std::move(on_progress)) {
     order_.resize(work_.size());
@@ -50,7 +50,7 @@ class JobPool {
       for (int member = 0; member < arena.max_concurrency(); ++member) {
         group.run([&] {
           while (auto const run = take()) {
-            // While it waits for work of its own, it must not take up another run, which might wait for this one.
+            // A thread that waits within a run must not start another run, which might wait for the first.
             tbb::this_task_arena::isolate([&] { carry_out(*run); });
             finish(*run);
           }
@@ -60,13 +60,13 @@ class JobPool {
     });
   }
 
-  /// The longest run that nobody has taken; nothing where there is none, or no further one is to begin.
+  /// Returns the longest run not yet taken; nothing if none is left or the pool is stopped.
   [[nodiscard]] std::optional<std::size_t> take() {
     std::size_t const next = next_++;
     return next < order_.size() && !is_stopped_ ? std::optional(order_[next]) : std::nullopt;
   }
 
-  /// Notes that a run has ended.
+  /// Records that a run has ended.
   void finish(std::size_t run) {
     ++finished_;
     report(run, 1.0);
@@ -74,7 +74,7 @@ class JobPool {
 
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
 
-  /// Notes that this share of a run is done; says whether it should continue.
+  /// Records the finished fraction of a run; returns whether to continue.
   bool report(std::size_t run, double share) {
     std::scoped_lock const lock(mutex_);
     done_[run] = work_[run] * share;

@@ -26,13 +26,13 @@ namespace fs = std::filesystem;
 
 constexpr char const* list_name = ".gridlock.files";
 
-/// A line of the list. No name holds the slash that parts the two.
+/// A line NAME or NAME/MAKER of the list of results.
 struct Entry {
   std::string name;
-  std::string maker;  ///< the command that made it on demand; empty for what a run or a sweep writes by itself
+  std::string maker;  ///< command that made the file on request; empty for results of a run or a sweep
 };
 
-/// The entries that stay within the directory, whoever has written the list.
+/// Returns the entries of a directory's list, without names that lead out of it, since a list may be hostile.
 std::vector<Entry> listed(fs::path const& directory) {
   std::vector<Entry> entries;
   std::error_code ignored;
@@ -52,7 +52,7 @@ bool has(std::vector<Entry> const& entries, char const* name) {
   return std::ranges::find(entries, name, &Entry::name) != entries.end();
 }
 
-/// Adds files of one directory to its list, each once.
+/// Adds files of one directory to its list; files already listed are not repeated.
 void add_to_list(std::span<fs::path const> files, std::string const& maker) {
   if (files.empty()) return;
   fs::path const directory = files.front().parent_path();
@@ -71,21 +71,21 @@ void add_to_list(std::span<fs::path const> files, std::string const& maker) {
 
 void add_to_list(fs::path const& file, std::string const& maker) { add_to_list(std::span(&file, 1), maker); }
 
-/// Where a symbolic link leads; the path itself where it is none.
+/// Returns the target of a symbolic link; the path itself if it is no link.
 fs::path followed(fs::path const& path) {
   std::error_code ignored;
   fs::path const real = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
   return real.empty() ? path : real;
 }
 
-/// Removes a file or a link, never a directory.
+/// Removes a file or a link, but not a directory.
 void remove_file(fs::path const& file) {
   std::error_code ignored;
   if (!fs::is_directory(fs::symlink_status(file, ignored))) fs::remove(file, ignored);
 }
 
-/// Removes what a command has made in a directory that it has listed, and the directory where nothing else is in it.
-/// One with anything else in its list, as a run of the user's there has, stays.
+/// Removes the files of a listed directory if all are by `maker`, then the directory if it is empty. Does nothing if
+/// the directory lists other files, for example a run of the user.
 void remove_directory_of(std::string const& maker, fs::path const& directory) {
   std::error_code ignored;
   if (maker.empty() || !fs::is_directory(fs::symlink_status(directory, ignored))) return;
@@ -110,13 +110,13 @@ void remove_runs(fs::path const& directory) {
   for (fs::path const& run : runs) {
     if (!fs::exists(run / list_name, ignored)) continue;
     remove_results(run);
-    fs::remove(run, ignored);  // only where nothing is left in it
+    fs::remove(run, ignored);  // only succeeds if the directory is empty
   }
   fs::remove(directory, ignored);
 }
 
-/// Whether a file would be lost if one of that name were written. Devices, pipes and open descriptors take what is
-/// written into them.
+/// Returns whether writing a file of this name would destroy an existing file. Devices, pipes and open descriptors are
+/// written into instead.
 bool is_in_the_way(fs::path const& file) {
   if (descriptor_named(file)) return false;
   std::error_code ignored;
@@ -127,14 +127,14 @@ bool is_in_the_way(fs::path const& file) {
   return target == regular || target == directory || target == not_found;
 }
 
-/// As a user calls it: a command of the program, or a function of the Python package.
+/// Returns the full name of a command of the program or a function of the Python package.
 std::string called(std::string const& maker) { return maker.starts_with("gridlock.") ? maker : "gridlock " + maker; }
 
-/// Refuses a file that is a listed result, by its name or by a link, unless the same command has made it.
+/// Throws an Error if a file, or the target of a link, is a listed result of a command other than `maker`.
 void require_no_other_result(fs::path const& file, std::string const& maker) {
   for (fs::path const& place : {file, followed(file)}) {
     std::vector<Entry> entries = listed(place.parent_path());
-    // By these Gridlock knows which files are results, and who works in the directory.
+    // The list and the lock of the directory also count as results.
     if (!entries.empty()) entries.insert(entries.end(), {{list_name, ""}, {DirectoryLock::file_name, ""}});
     for (Entry const& entry : entries) {
       std::error_code ignored;
@@ -150,7 +150,7 @@ void require_no_other_result(fs::path const& file, std::string const& maker) {
   }
 }
 
-/// Whether the list of its directory says so.
+/// Returns whether the list of the directory names `maker` as the maker of the file.
 bool is_made_by(std::string const& maker, fs::path const& file) {
   std::string const name = file.filename().string();
   return std::ranges::any_of(listed(file.parent_path()),
@@ -201,7 +201,7 @@ void adopt_results(fs::path const& directory, std::vector<fs::path> const& files
 }
 
 void protect_files(PlannedFiles const& planned) {
-  std::map<fs::path, std::set<std::string>> known;  // one list has the names of thousands of frames
+  std::map<fs::path, std::set<std::string>> known;  // sets, since a list may have thousands of names
   std::vector<fs::path> foreign;
   for (fs::path const& file : planned.results) {
     if (is_in_the_way(file)) require_no_input(file, planned.inputs);
@@ -219,7 +219,7 @@ void protect_files(PlannedFiles const& planned) {
     if (is_new) {
       for (Entry const& entry : listed(file.parent_path())) place->second.insert(entry.name);
     }
-    // Named once, though it may be planned twice.
+    // A file that is planned twice is listed once.
     if (place->second.insert(file.filename().string()).second) foreign.push_back(file);
   }
   if (foreign.empty()) return;
@@ -237,7 +237,7 @@ void protect_inputs(fs::path const& directory, std::span<fs::path const> inputs)
     fs::path const real = fs::weakly_canonical(input, ignored);
     fs::path const inside = real.lexically_relative(base);
     auto const parts = std::distance(inside.begin(), inside.end());
-    // remove_results() goes into the runs of a sweep, and no deeper.
+    // remove_results() descends into the runs of a sweep, but no deeper.
     bool const is_within_reach = parts == 1 || (parts == 3 && *inside.begin() == "runs");
     if (is_within_reach && is_listed(real)) refuse_input(input, "removed with the other results there");
   }
@@ -271,7 +271,7 @@ void remove_results(fs::path const& directory) {
     remove_file(directory / entry.name);
     remove_directory_of(entry.maker, directory / entry.name);
   }
-  // The names of their parts are not known before they are written.
+  // Parts of checkpoints are not listed, since their names contain checksums.
   if (has(entries, "checkpoint.gridlock")) remove_checkpoints(directory);
   std::error_code ignored;
   if (has(entries, "plan.json") && fs::is_directory(fs::symlink_status(directory / "runs", ignored))) {

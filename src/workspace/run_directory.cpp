@@ -33,7 +33,7 @@ namespace {
 constexpr char const* trajectory_name = "trajectory.h5";
 constexpr char const* begun_trajectory_name = "trajectory.h5.part";
 
-/// The note on audits; nothing where none was asked for.
+/// Returns the note on audits; nothing if the run has no audits.
 std::optional<Event> audit_event(Simulation const& simulation) {
   Event event{.kind = EventKind::audited, .severity = Severity::info};
   for (auto const& [name, value] : simulation.audits()) event.values.emplace_back(name, value);
@@ -42,7 +42,7 @@ std::optional<Event> audit_event(Simulation const& simulation) {
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
-/// A run at home in its directory, which the root of the processes that share it keeps.
+/// A run in its directory. If processes share the run, the root writes the files.
 class RunInDirectory {
  public:
   RunInDirectory(std::filesystem::path directory, Setup setup, std::string configuration, RunHooks const& hooks)
@@ -94,7 +94,7 @@ class RunInDirectory {
                            {"start_hash", hash_text(start_hash_)}}});
   }
 
-  /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
+  /// Restores the newest checkpoint. Changes only run.log and trajectory.h5, after `require` has accepted the run.
   void restore(std::function<void()> const& require) {
     std::uint64_t const first_step = simulation_.clock().step;
     auto const restored = restore_checkpoint_of_all(
@@ -137,7 +137,7 @@ class RunInDirectory {
                  .file = directory_.string()});
   }
 
-  /// Returns the share to leave out of averages, see Run::fit_equilibration().
+  /// Returns the fraction of the run that averages leave out, by Run::fit_equilibration().
   double take_length() {
     double const equilibration = run_.fit_equilibration();
     if (equilibration != setup_.configuration.observe.equilibration) {
@@ -149,12 +149,12 @@ class RunInDirectory {
     return equilibration;
   }
 
-  /// From here on the directory holds a run of another length that is not finished.
+  /// Records a new length; the run in the directory is unfinished from here on.
   void record_length(std::string configuration, std::string const& length) {
     configuration_ = std::move(configuration);
     processes_.on_root([&] {
       std::error_code ignored;
-      // Without a summary the run is one that was interrupted, whichever of the two lengths a kill leaves it.
+      // Without a summary the run counts as interrupted, with the old or the new length, if a kill follows.
       std::filesystem::remove(directory_ / summary_name, ignored);
       write_file(directory_ / configuration_name, configuration_);
     });
@@ -186,11 +186,11 @@ class RunInDirectory {
                           processes_.communicator().traffic_of_ranks());
       });
     } catch (RunFailure const& failure) {
-      // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
+      // A full disk may first end the run and then keep results from being written; the error names both reasons.
       if (record.failure.empty()) throw;
       throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
     } catch (Error const& error) {
-      // A file has come into the way while the run went on. It is no mistake of the input, and the checkpoint stays.
+      // A user's file took the name of a result during the run. That is no mistake of input, and the checkpoint stays.
       throw RunFailure(error.problems().front().what);
     }
     processes_.on_root([&] {
@@ -214,7 +214,7 @@ class RunInDirectory {
   }
 
  private:
-  /// Notes where another version saved the state that is continued; the versions are then those of the checkpoint.
+  /// Adds this version to those of the checkpoint, with a note, if the checkpoint was saved by another version.
   void note_version() {
     constexpr std::string_view then = ", then ";
     std::size_t const place = versions_.rfind(then);
@@ -235,8 +235,8 @@ class RunInDirectory {
     serialize_inside(archive, "run", [&] { run_.serialize(archive); });
   }
 
-  /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what
-  /// has been measured so far is Run::fit_equilibration()'s.
+  /// Throws an Error if the checkpoint has other settings, apart from the length. A run that was killed while it was
+  /// lengthened has a checkpoint with the former length.
   void require_same_configuration(std::string const& configuration) const {
     auto const difference = find_difference(setting_texts(configuration, "checkpoint"),
                                             setting_texts(configuration_, configuration_name), settings_of_length());
@@ -245,7 +245,7 @@ class RunInDirectory {
                                      to_text(*difference, "the checkpoint", configuration_name))});
   }
 
-  /// The note on the threads that carry the run out.
+  /// Returns the note on the number of threads of the run.
   [[nodiscard]] Event processors_event() const {
     Event event{.kind = EventKind::threads_chosen,
                 .severity = Severity::info,
@@ -273,7 +273,7 @@ class RunInDirectory {
     std::uint64_t const work = simulation_.preparation().work;
     if (saved_at_ == clock && saved_work_ == work) return;
     auto const warn = [&](std::string const& why) {
-      // A disk that is full needs the room of its parts.
+      // Parts of an incomplete checkpoint are removed, since a full disk needs their space.
       processes_.on_root([&] { remove_unneeded_parts(directory_); });
       log_.write({.kind = EventKind::checkpoint_failed,
                   .severity = Severity::warning,
@@ -289,7 +289,7 @@ class RunInDirectory {
     } catch (RunFailure const& failure) {
       warn(failure.what());
     } catch (Error const& error) {
-      // A run that cannot be saved is still a run: its results are written at its end.
+      // A failed checkpoint does not end the run, whose results are written at its end.
       warn(error.problems().front().what);
     } catch (std::bad_alloc const&) {
       warn("not enough memory");
@@ -303,13 +303,13 @@ class RunInDirectory {
   RunHooks const& hooks_;
   RunLog log_;
   std::string configuration_;
-  std::string versions_ = version();  ///< that have carried the run out, one after the other
+  std::string versions_ = version();  ///< versions that carried out the run, in order
   RunPlan plan_;
-  Simulation& simulation_;  ///< of the set-up
+  Simulation& simulation_;  ///< owned by setup_
   Run run_;
   std::optional<TrajectoryWriter> trajectory_;
-  std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
-  std::uint64_t saved_work_ = 0;   ///< of the protocol, there
+  std::optional<Clock> saved_at_;  ///< clock of the newest checkpoint
+  std::uint64_t saved_work_ = 0;   ///< work of the protocol at that checkpoint
 };
 
 std::string resolved(Configuration configuration, bool starts_from_file) {
@@ -336,7 +336,7 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
   processes.on_root([&] {
     std::vector<std::filesystem::path> files = run_files(directory, configuration);
     adopt_results(directory, files);
-    // Restoring looks at checkpoints itself, and says what else there is to continue from.
+    // Checkpoints are left out, since restoring checks them and names an older one to continue from.
     std::erase_if(files, [](std::filesystem::path const& result) { return result.extension() == ".gridlock"; });
     protect_files({.results = files, .inputs = {}, .maker = "", .hint = "move what is in the way, and resume again"});
   });

@@ -18,7 +18,7 @@ RunLog::RunLog(std::filesystem::path const& directory, std::function<void(Event 
 void RunLog::write(Event const& event) {
   if (!processes_.is_root()) return;
   if (!file_.is_open()) {
-    // A pipe would wait for its reader.
+    // Opening a pipe would wait for a reader.
     std::error_code ignored;
     if (std::filesystem::exists(path_, ignored)) require_regular_file(path_);
     file_.open(path_, std::ios::app);

@@ -9,11 +9,11 @@
 
 namespace gridlock {
 
-/// run.log: one line for everything that happened to a run, with the time of the day, over all its interruptions.
-/// A log that cannot be written does not end the run.
+/// Writes run.log: a line with the time of day for each event of a run, through all its interruptions. A log that
+/// cannot be written does not end the run.
 class RunLog {
  public:
-  /// The file is opened at the first line. The root of the processes that share the run writes it.
+  /// Opens the file at the first line. Only the root of the processes writes it.
   RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event, AllProcesses processes);
 
   void write(Event const& event);

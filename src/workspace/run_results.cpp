@@ -43,7 +43,7 @@ Table to_table(Distribution const& distribution) {
   return table;
 }
 
-/// The share of the box that agents with a radius cover; nothing for agents without.
+/// Returns the packing fraction of agents with a radius; nothing for agents without radii.
 std::optional<double> packing_fraction_of(FrameSource const& frame) {
   std::optional<std::size_t> const place = frame.find(Radius::name);
   if (!place) return std::nullopt;
@@ -56,7 +56,7 @@ std::optional<double> packing_fraction_of(FrameSource const& frame) {
   return area / frame.box().area();
 }
 
-/// The traffic of the processes of a run.
+/// Returns the messages, bytes and waiting time of each process.
 Json to_json(std::vector<Traffic> const& processes) {
   Json json = Json::array();
   for (Traffic const& of_process : processes) {
@@ -78,7 +78,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
   json["seed"] = frame.seed();
   json["model"] = configuration.model.kind;
   for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
-  // "agents" is an average where they come and go.
+  // The key is not "agents", since that is an average if the number of agents changes.
   json["agents_at_end"] = record.agents;
   for (FrameColumn const& column : frame.columns()) {
     auto const names = configuration.kind().value_names(column.name);
@@ -95,7 +95,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
   if (!traffic.empty()) json["timing"]["ranks"] = to_json(traffic);
   json["counters"] = to_json(record.counts);
   for (auto const& [name, estimate, unit] : record.results) {
-    // A model may call what it observes "time" or "seed".
+    // A model may name an observable "time" or "seed", which are keys already.
     Json& entry = json[json.contains(name) ? "mean_" + name : name];
     entry["value"] = estimate.value;
     entry["error"] = estimate.error ? Json(*estimate.error) : Json();
@@ -110,7 +110,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
 void write_run_results(std::filesystem::path const& directory, std::string const& versions,
                        Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
                        FrameSource const& frame, std::vector<Traffic> const& traffic) {
-  // Last to come and first to go, so that a directory with a summary is a complete one.
+  // The summary is removed first and written last, so that only complete results have a summary.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
   for (char const* name : {"series.csv", summary_name}) record_result(directory / name);

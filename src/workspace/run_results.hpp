@@ -11,10 +11,10 @@
 
 namespace gridlock {
 
-/// Writes what a run has found: series.csv, a table for each distribution, final.xyz, and summary.json as the last one.
+/// Writes the results of a run: series.csv, a table for each distribution, final.xyz, and last summary.json.
 ///
-/// `versions` are those of the programs that have worked on it, `traffic` is that of each process, none where there is
-/// one. Errors: RunFailure where a file cannot be written, Error where one of the user has come into the way.
+/// `versions` are those of the programs that carried out the run; `traffic` has an entry for each process, none if
+/// there is one process. Errors: RunFailure if a file cannot be written, Error if a file of the user is in the way.
 void write_run_results(std::filesystem::path const& directory, std::string const& versions,
                        Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
                        FrameSource const& frame, std::vector<Traffic> const& traffic);

@@ -66,7 +66,7 @@ std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
                        .seconds = json.at("timing").at("seconds").get<double>(),
                        .results = {}};
     for (auto const& [name, entry] : json.items()) {
-      // A column with names of values may be called "value".
+      // An array "value" is a list of value names for a column of that name, not a result.
       if (!entry.is_object() || !entry.contains("value") || entry.at("value").is_array()) continue;
       Estimate estimate{.value = entry.at("value").get<double>(), .error = std::nullopt};
       if (!entry.at("error").is_null()) estimate.error = entry.at("error").get<double>();

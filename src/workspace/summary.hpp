@@ -6,11 +6,11 @@
 
 namespace gridlock {
 
-/// The file in the directory of a run that says how it ended and what came out.
+/// Name of the file in the directory of a run with its status and results.
 inline constexpr char const* summary_name = "summary.json";
 
-/// The entries of a summary.json; read_summary() says them in types.
-/// Errors: Error for a file that is missing, damaged or of something else.
+/// Returns the JSON of a summary; read_summary() converts it to a RunSummary.
+/// Errors: Error if the file is missing, damaged or no summary.
 nlohmann::ordered_json read_summary_json(std::filesystem::path const& file);
 
 }  // namespace gridlock

@@ -24,10 +24,10 @@ namespace gridlock {
 
 namespace {
 
-/// The rest is for what the estimates leave out.
+/// Share of the free memory that a sweep uses; the rest is for memory that the estimates omit.
 constexpr double share_of_memory = 0.8;
 
-/// The memory that a process may use: several on one machine share it.
+/// Returns the memory in bytes for a process; processes on a machine share its memory equally.
 double memory_for(SweepSettings const& settings) {
   double const processes = settings.crew == nullptr ? 1.0 : static_cast<double>(settings.crew->processes_on_machine());
   return share_of_memory * free_memory() / processes;
@@ -40,7 +40,7 @@ MakeRun making(SweepWorker const& worker) {
   };
 }
 
-/// Makes what the leader hands out; the leader alone has results.
+/// Carries out the runs that the leader assigns. Returns an empty result, since only the leader collects outcomes.
 SweepResult help_with(SweepPlan const& plan, SweepSettings const& settings) {
   SweepDirectory const directory(plan, settings);
   MemoryBudget memory(memory_for(settings));
@@ -50,7 +50,7 @@ SweepResult help_with(SweepPlan const& plan, SweepSettings const& settings) {
   return {};
 }
 
-/// A sweep being carried out.
+/// A sweep that this process carries out or leads.
 class SweepInProgress {
  public:
   SweepInProgress(SweepPlan const& plan, SweepSettings const& settings)
@@ -138,11 +138,11 @@ SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
   SweepInProgress sweep(plan, settings);
   sweep.run();
   SweepResult result = result_of(plan, sweep.outcomes());
-  // Nothing is averaged over a part of the sweep.
+  // Notes on means are left out for a shard, which has only part of the runs.
   std::vector<std::string> notes = sweep.notes();
   if (!settings.shard) std::ranges::move(result.notes, std::back_inserter(notes));
   result.notes = std::move(notes);
-  // The tables of a part would be taken for the whole: collect_sweep() makes them when all parts are there.
+  // A shard writes no tables, since they would look like the whole sweep's; collect_sweep() makes them from all shards.
   if (!settings.shard) write_tables(result, settings.directory);
   return result;
 }

@@ -49,8 +49,8 @@ std::optional<Error> SweepDirectory::refusal_of(std::size_t run, Setup const& se
   return in_the_way(fmt::format("{} was run with other settings: {}", directory_of(run).string(), reason));
 }
 
-/// What the directory of the run says of another run; empty where it is this one, on whatever number of threads it was
-/// begun: the share of the cores that a run gets is another in another sweep.
+/// Returns how the run in the directory differs from this sweep's run; empty if it does not. The number of threads is
+/// not compared, since it depends on the other runs of a sweep.
 std::string SweepDirectory::difference_from_recorded(std::size_t run, Setup const& setup) const {
   std::filesystem::path const file = directory_of(run) / "config.resolved.toml";
   SettingTexts texts;
@@ -71,7 +71,7 @@ void SweepDirectory::require_same_base() const {
   try {
     recorded = read_plan(settings_.directory);
   } catch (Error const&) {
-    return;  // it is written again, and what runs there are is checked one by one
+    return;  // the plan is rewritten, and each existing run is checked
   }
   std::set<std::string> swept(plan_.keys.begin(), plan_.keys.end());
   swept.insert(recorded.keys.begin(), recorded.keys.end());
@@ -90,7 +90,7 @@ bool SweepDirectory::is_of_sweep() const {
   try {
     read_plan(settings_.directory);
   } catch (Error const&) {
-    // It is written again where there are runs of it, and a file of the user that has this name where there are none.
+    // A damaged plan belongs to the sweep if one of its runs is listed; otherwise it is a file of the user.
     return std::ranges::any_of(
         plan_.runs, [&](SweepRun const& run) { return has_list(gridlock::directory_of(settings_.directory, run)); });
   }
@@ -118,7 +118,7 @@ void SweepDirectory::open() const {
 
 void SweepDirectory::protect_runs(std::vector<std::filesystem::path> const& inputs) const {
   for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
-    // One without a list that is continued is resume_in()'s to look at.
+    // resume_in() checks an existing run without a list.
     if (!is_ours(run) || (is_there(run) && !has_list(directory_of(run)))) continue;
     Configuration any_stages;
     any_stages.protocol.emplace_back();
@@ -130,7 +130,7 @@ void SweepDirectory::protect_runs(std::vector<std::filesystem::path> const& inpu
   }
 }
 
-/// The settings file, and the files that the runs start from.
+/// Returns the settings file of the sweep and the start files of its runs.
 std::vector<std::filesystem::path> SweepDirectory::inputs() const {
   std::set<std::filesystem::path> files{settings_.settings_file};
   for (SweepRun const& run : plan_.runs) {
@@ -139,7 +139,7 @@ std::vector<std::filesystem::path> SweepDirectory::inputs() const {
       run.settings.read_into(describing(configuration));
       if (!configuration.disks.file.empty()) files.insert(run.settings.directory() / configuration.disks.file);
     } catch (Error const&) {
-      continue;  // a run that is set up tells its user
+      continue;  // setting up the run reports the error
     }
   }
   return {files.begin(), files.end()};
@@ -147,9 +147,9 @@ std::vector<std::filesystem::path> SweepDirectory::inputs() const {
 
 void SweepDirectory::forget_old_results() const {
   if (!settings_.overwrites) return;
-  // Results of something else; a sweep that is there already keeps the runs of other shards.
+  // Results other than a sweep's are removed; those of a sweep are kept, since other shards may have runs in it.
   if (!is_of_sweep()) remove_results(settings_.directory);
-  // Runs that are to be made anew are gone at once, so that an interruption leaves no old runs among the new ones.
+  // Runs that are repeated are removed first, so that an interruption leaves no old runs among new ones.
   std::error_code ignored;
   for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
     if (!is_ours(run)) continue;

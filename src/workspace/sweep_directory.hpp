@@ -12,28 +12,27 @@
 
 namespace gridlock {
 
-/// The directory of a sweep: where its runs are, and what earlier sweeps have left there.
+/// The directory of a sweep, with its runs and with results of earlier sweeps.
 class SweepDirectory {
  public:
   SweepDirectory(SweepPlan const& plan, SweepSettings const& settings) : plan_(plan), settings_(settings) {}
 
-  /// Whether this shard carries out the run.
+  /// Returns whether this shard carries out the run with this index.
   [[nodiscard]] bool is_ours(std::size_t run) const;
   [[nodiscard]] std::filesystem::path directory_of(std::size_t run) const;
-  /// Whether the run is in its directory already, finished or not.
+  /// Returns whether the directory of the run has one, finished or not, that is not to be overwritten.
   [[nodiscard]] bool is_there(std::size_t run) const;
-  /// How the run in the directory has ended; nothing where there is none, or none that has ended.
+  /// Returns the summary of the run in its directory; nothing if there is no run or it has no summary.
   [[nodiscard]] std::optional<RunSummary> recorded(std::size_t run) const;
-  /// Why the run in the directory must not be replaced, if it is one of other settings.
+  /// Returns an Error if the directory of the run contains a run with other settings; nothing otherwise.
   [[nodiscard]] std::optional<Error> refusal_of(std::size_t run, Setup const& setup) const;
 
-  /// Throws Error for a sweep in the directory that has other settings in common: its runs and these belong in
-  /// different tables.
+  /// Throws an Error if the directory has a sweep whose common settings differ, since its runs belong in other tables.
   void require_same_base() const;
-  /// Makes the directory where it is missing. Errors: Error where it has results that are not of a sweep, and where
-  /// files of the user have the names of tables or of files of the runs.
+  /// Creates the directory if it is missing. Errors: Error if it has results that are not a sweep's, or files of the
+  /// user with names of tables or of files of the runs.
   void open() const;
-  /// Removes what is to be made anew, where that is asked for.
+  /// Removes old results before runs are repeated, if the user allowed to overwrite.
   void forget_old_results() const;
 
  private:

@@ -36,14 +36,14 @@ bool is_safe(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '+' || c == '_';
 }
 
-/// A value without the quotes of a TOML string.
+/// Returns a value without the quotes of a TOML string.
 std::string_view without_quotes(std::string_view value) {
   bool const is_quoted =
       value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
   return is_quoted ? value.substr(1, value.size() - 2) : value;
 }
 
-/// With a separator that TOML escapes in texts, so that 1 beside 23 has another mark than 12 beside 3.
+/// Returns a hash of all values. The separator is escaped in texts of TOML, so 1 beside 23 differs from 12 beside 3.
 std::string mark_of(std::vector<std::string> const& values) {
   std::string all;
   for (std::string const& value : values) all += value + '\n';
@@ -54,7 +54,7 @@ SettingLocation place_of(SettingList const& list, std::size_t value) {
   return value < list.value_locations.size() ? list.value_locations[value] : list.location;
 }
 
-/// Two runs of the same values would be one run, counted twice in every mean.
+/// Throws an Error if a list has a value twice, since means would count these runs twice.
 void require_different_values(SettingList const& list) {
   std::set<std::string_view> seen;
   for (std::size_t choice = 0; choice < list.values.size(); ++choice) {
@@ -70,11 +70,11 @@ void require_different_values(SettingList const& list) {
   }
 }
 
-/// All settings but the swept ones, as far as they have values.
+/// Returns the values of all settings that the sweep does not vary.
 std::map<std::string, std::string> base_of(SettingsFile const& file, std::vector<SettingList> const& lists) {
   Configuration configuration = read_configuration(file);
   bool const sweeps_models = std::ranges::find(lists, "model.kind", &SettingList::key) != lists.end();
-  // The settings of other models mean nothing to the one that is run.
+  // Settings of other models have no effect on the run.
   if (!sweeps_models) configuration.models.keep_only(configuration.model.kind);
   SettingTexts base = setting_texts(to_toml(describing(configuration)), "");
   for (SettingList const& list : lists) base.erase(list.key);
@@ -82,11 +82,11 @@ std::map<std::string, std::string> base_of(SettingsFile const& file, std::vector
   return base;
 }
 
-/// Reads every listed value once, so that a slip in the last one does not show after hours.
+/// Reads every listed value once, so that an error in the last value is found before the first run.
 void require_readable(SettingsFile const& file, std::vector<SettingList> const& lists) {
   std::vector<Problem> problems;
   auto const is_known = [&](Problem const& problem) {
-    // An unknown key is wrong once, not once for each of its values.
+    // A problem with a key is reported once, not for each of its values.
     return std::ranges::any_of(problems,
                                [&](Problem const& p) { return p.what == problem.what && p.line == problem.line; });
   };
@@ -104,7 +104,7 @@ void require_readable(SettingsFile const& file, std::vector<SettingList> const& 
   if (!problems.empty()) throw Error(std::move(problems));
 }
 
-/// A name is a path in every directory of the sweep: neither keys nor values of a stranger may make it another one.
+/// Throws if a run's name does not follow from its values; a hostile plan's names could lead to other directories.
 void require_own_name(SweepRun const& run, std::vector<std::string> const& keys) {
   bool const is_plain =
       !run.name.empty() && std::ranges::all_of(run.name, [](char c) { return is_safe(c) || c == '='; });

@@ -11,24 +11,24 @@ namespace gridlock {
 
 inline constexpr char const* sweep_plan_name = "plan.json";
 
-/// The name of a run: "packing_fraction=0.7_start=square", safe as the name of a directory on every file system.
+/// Returns the name of a run, as "packing_fraction=0.7_start=square"; a valid directory name on every file system.
 ///
-/// Depends on the keys and the values alone, and two runs of a plan have the same name only if they have the same
-/// values: a name that is too long or cannot hold a value as it is ends with a mark, a hash of all values.
+/// The name depends only on keys and values, and runs of a plan with different values have different names: a name that
+/// is too long, or omits characters of a value, ends with a hash of all values.
 std::string sweep_run_name(std::vector<std::string> const& keys, std::vector<std::string> const& values);
 
-/// Where a run of a sweep in a directory is.
+/// Returns the directory of a run in the directory of its sweep.
 std::filesystem::path directory_of(std::filesystem::path const& sweep, SweepRun const& run);
 
 /// Writes keys, base settings, names and values of a plan into a directory as plan.json.
 void write_plan(SweepPlan const& plan, std::filesystem::path const& directory);
 
-/// The same for plans with the same runs.
+/// Returns a hash of a plan, equal for plans with the same keys, base settings, names and values.
 std::uint64_t hash_of(SweepPlan const& plan);
 
-/// Reads what write_plan() wrote; the runs have no settings to run them with. A plan may come from a stranger: every
-/// name is the one that sweep_run_name() gives, so that no path made of it leads out of the directory.
-/// Errors: Error for a directory without a plan, and for a plan that is damaged.
+/// Reads the plan.json of write_plan(); the runs have no settings. A plan may be hostile, so every name must be that of
+/// sweep_run_name(), and no path leads out of the directory. Errors: Error if the directory has no plan or the plan is
+/// damaged.
 SweepPlan read_plan(std::filesystem::path const& directory);
 
 }  // namespace gridlock

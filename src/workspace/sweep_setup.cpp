@@ -49,7 +49,7 @@ void SweepSetup::set_up_all() {
       }
     });
   });
-  // A run that did not fit beside others may fit alone.
+  // A run that lacked memory beside others may fit alone.
   for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
     if (lacks_memory[run] == 0) continue;
     try {
@@ -61,13 +61,13 @@ void SweepSetup::set_up_all() {
   if (is_in_the_way_) throw *is_in_the_way_;
 }
 
-/// Throws std::bad_alloc; any other failure is noted.
+/// Sets up a run to estimate its work. Throws std::bad_alloc; any other failure is stored.
 void SweepSetup::look_at(std::size_t run) {
   try {
     Configuration configuration;
     plan_.runs[run].settings.read_into(describing(configuration));
     MemoryBudget::Part const memory(memory_, expected_memory(configuration));
-    // Only to be looked at.
+    // This set-up is only examined, so one thread suffices.
     Setup const setup = set_up(plan_.runs[run].settings, {.threads = 1});
     require_shareable(run, setup.configuration);
     notes_[run] = setup.notes;
@@ -76,7 +76,7 @@ void SweepSetup::look_at(std::size_t run) {
       is_in_the_way_ = std::move(refusal);
     }
     if (!directory_.is_ours(run)) return;
-    // Where this call does not come to the run, the tables list what earlier ones have made of it.
+    // The tables list the recorded result of a run that this call does not carry out.
     if (auto const summary = directory_.recorded(run)) outcomes_[run] = outcome_of(*summary);
     if (is_finished(outcomes_[run])) return;
     auto const [work, bytes] = expectation_of(setup);
@@ -109,13 +109,13 @@ void SweepSetup::note_failure(std::size_t run, std::exception const& error) {
   outcomes_[run] = {.has_begun = false, .status = RunStatus::failed, .message = reason_of(error), .results = {}};
 }
 
-/// A mistake that spoils every run is the user's input, not a failure of some runs.
+/// Throws the first Error if every run has one, since the mistake is then in the user's input.
 void SweepSetup::require_one_good() const {
   bool const are_all_mistaken = std::ranges::all_of(errors_, [](auto const& error) { return error.has_value(); });
   if (are_all_mistaken) throw *errors_.front();
 }
 
-/// Where there are fewer runs than cores, those that can use several get what the others leave, the longest ones most.
+/// Distributes free cores among the runs that use several threads; the longest runs get the most.
 void SweepSetup::share_out_threads() {
   std::vector<std::size_t> takers;
   auto left = static_cast<std::uint64_t>(jobs_for(settings_.threads));
@@ -123,7 +123,7 @@ void SweepSetup::share_out_threads() {
     if (prospects_[run].work > 0.0) left -= std::min(left, prospects_[run].threads);
     if (prospects_[run].takes_threads) takers.push_back(run);
   }
-  // The memory that other processes leave is not known here.
+  // With other processes on the machine, the memory for more threads is unknown.
   if (takers.empty() || settings_.crew != nullptr) return;
   std::ranges::stable_sort(takers, std::ranges::greater{}, [&](std::size_t run) { return prospects_[run].work; });
   for (std::size_t k = 0; k < takers.size(); ++k) {

@@ -16,24 +16,24 @@
 
 namespace gridlock {
 
-/// The facts that are known of a run before it begins.
+/// An estimate of a run before it begins.
 struct Prospect {
-  double work = 0.0;  ///< 0: there is nothing to do, it is finished, another's, or cannot be made
+  double work = 0.0;  ///< in units of Expectation::work; 0 if it is finished, another shard's, or impossible
   double bytes = 0.0;
   std::uint64_t threads = 0;
-  bool takes_threads = false;  ///< as many as it is given: the user has set no number
+  bool takes_threads = false;  ///< whether to use as many threads as are free, since the user set no number
 };
 
-/// Sets up every run of a sweep once, to know what it takes and which cannot be made, are finished already, or hinder
-/// the others.
+/// Sets up every run of a sweep once, to estimate its work and find runs that are impossible, finished, or in conflict
+/// with runs in the directory.
 class SweepSetup {
  public:
-  /// Errors: Error where not one run can be made, and for a run in the directory with other settings.
+  /// Errors: Error if no run is possible, or a run in the directory has other settings.
   SweepSetup(SweepPlan const& plan, SweepSettings const& settings, SweepDirectory const& directory,
              MemoryBudget& memory);
 
   [[nodiscard]] std::vector<Prospect> const& prospects() const { return prospects_; }
-  /// The status of each run before any of them begins.
+  /// Returns the outcome of each run before the sweep begins.
   [[nodiscard]] std::vector<SweepOutcome> const& outcomes() const { return outcomes_; }
   [[nodiscard]] std::vector<std::string> notes() const;
 
@@ -52,14 +52,14 @@ class SweepSetup {
   std::vector<SweepOutcome> outcomes_;
   std::vector<std::optional<Error>> errors_;
   std::vector<Prospect> prospects_;
-  std::vector<std::optional<std::vector<Event>>> notes_;  ///< of the runs that can be set up
+  std::vector<std::optional<std::vector<Event>>> notes_;  ///< notes of the runs that could be set up
   std::mutex mutex_;
   std::optional<Error> is_in_the_way_;
 };
 
-/// Whether the run has come to its end.
+/// Returns whether a run has reached its end.
 bool is_finished(SweepOutcome const& outcome);
-/// The reason why a run failed, as the tables say it.
+/// Returns why a run failed, for the tables.
 std::string reason_of(std::exception const& error);
 
 }  // namespace gridlock

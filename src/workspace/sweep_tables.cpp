@@ -19,7 +19,7 @@ namespace {
 
 constexpr char const* seed_key = "run.seed";
 
-/// Values without the quotes of TOML strings, as a table shows them.
+/// Returns a value without the quotes of a TOML string.
 std::string bare(std::string const& value) {
   bool const is_quoted =
       value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
@@ -28,7 +28,7 @@ std::string bare(std::string const& value) {
 
 double const not_measured = std::numeric_limits<double>::quiet_NaN();
 
-/// The names of all observables any run has, in the order of their first appearance.
+/// Returns the names of the observables of all runs, in order of first appearance.
 std::vector<std::string> observable_names(std::vector<SweepOutcome> const& outcomes) {
   std::vector<std::string> names;
   std::set<std::string> seen;
@@ -40,7 +40,7 @@ std::vector<std::string> observable_names(std::vector<SweepOutcome> const& outco
   return names;
 }
 
-/// All values as numbers of one type; nothing where one of them is none.
+/// Returns all values as numbers of one type; nothing if a value is not a number.
 template <class Number>
 std::optional<std::vector<Number>> numbers_of(std::vector<std::string> const& values) {
   std::vector<Number> numbers;
@@ -54,7 +54,7 @@ std::optional<std::vector<Number>> numbers_of(std::vector<std::string> const& va
   return numbers;
 }
 
-/// A column of counts, else of numbers, else of words. Counts come first: a seed has 64 bits, a double 53.
+/// Returns a column of counts, or else numbers, or else words. A double would hold only 53 bits of a seed.
 CellColumn column_of(std::vector<std::string> const& values) {
   if (auto counts = numbers_of<std::uint64_t>(values)) return *std::move(counts);
   if (auto numbers = numbers_of<double>(values)) return *std::move(numbers);
@@ -117,7 +117,7 @@ Table rows_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) 
 
 namespace {
 
-/// Runs that agree in everything but the seed, in the order of the plan.
+/// Groups runs that differ only in the seed, in the order of the plan.
 std::vector<std::vector<std::size_t>> groups_of(SweepPlan const& plan) {
   std::vector<std::vector<std::size_t>> groups;
   std::map<std::vector<std::string>, std::size_t> group_of;
@@ -133,7 +133,7 @@ std::vector<std::vector<std::size_t>> groups_of(SweepPlan const& plan) {
   return groups;
 }
 
-/// The values of an observable in the runs of a group.
+/// Returns the estimates of an observable in the runs of a group.
 std::vector<Estimate> estimates_of(std::string const& name, std::vector<std::size_t> const& group,
                                    std::vector<SweepOutcome> const& outcomes) {
   std::vector<Estimate> estimates;
@@ -143,7 +143,7 @@ std::vector<Estimate> estimates_of(std::string const& name, std::vector<std::siz
   return estimates;
 }
 
-/// Mean and error of an observable, and over how many runs where some of them have no value.
+/// Adds columns with mean and error of an observable, and the number of runs with a value if runs of a group lack one.
 void add_means(std::string const& name, std::vector<std::vector<std::size_t>> const& groups,
                std::vector<SweepOutcome> const& outcomes, Table& table) {
   std::vector<double> values;
@@ -163,7 +163,7 @@ void add_means(std::string const& name, std::vector<std::vector<std::size_t>> co
   if (has_gaps) table.add_column(name + "_runs", runs);
 }
 
-/// Notes on what the means leave out, and on what they have that is not as asked for.
+/// Returns notes on runs that means leave out, and on runs in the means that missed the goal of their protocol.
 std::vector<std::string> notes_on_means(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
   std::vector<std::string> notes;
   for (std::string const& name : observable_names(outcomes)) {
@@ -172,7 +172,7 @@ std::vector<std::string> notes_on_means(SweepPlan const& plan, std::vector<Sweep
     for (auto group : groups_of(plan)) {
       std::erase_if(group, [&](std::size_t run) { return outcomes[run].status != RunStatus::finished; });
       std::size_t const known = estimates_of(name, group, outcomes).size();
-      // An observable that no run of a group measures, as other engines do, is not left out of anything.
+      // No note is needed if no run of a group measures the observable, for example because their engine does not.
       if (known == 0) continue;
       left_out += group.size() - known;
       all += group.size();

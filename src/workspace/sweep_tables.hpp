@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// The status of one run of a sweep, as the tables need it.
+/// The outcome of one run of a sweep, for the tables.
 struct SweepOutcome {
   bool has_begun = false;
   RunStatus status = RunStatus::interrupted;
@@ -30,16 +30,16 @@ struct SweepOutcome {
 
 SweepOutcome outcome_of(RunSummary const& summary);
 
-/// sweep.csv: one row a run, in the order of the plan.
+/// Returns the table sweep.csv: a row for each run, in the order of the plan.
 Table rows_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes);
 
-/// means.csv: averages over finished runs that differ in the seed alone.
+/// Returns the table means.csv: means over finished runs that differ only in the seed.
 Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes);
 
-/// Both tables, and how many runs did not come to their end.
+/// Returns both tables, and the numbers of failed and interrupted runs.
 SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes);
 
-/// Writes both tables into the directory of a sweep.
+/// Writes sweep.csv and means.csv into the directory of a sweep.
 void write_tables(SweepResult const& result, std::filesystem::path const& directory);
 
 }  // namespace gridlock

@@ -43,7 +43,7 @@ std::optional<SweepOutcome> SweepWorker::make(std::size_t run, Prospect const& p
   try {
     std::optional<RunSummary> made;
     auto const way = [&] {
-      // Others that share the directory may have been faster.
+      // Another shard with the same directory may have finished the run meanwhile.
       made = directory_.recorded(run);
       if (made && is_finished(outcome_of(*made))) return Way::is_made;
       if (!report(0.0)) return Way::is_stopped;
@@ -63,7 +63,7 @@ std::optional<SweepOutcome> SweepWorker::make(std::size_t run, Prospect const& p
         break;
     }
     SettingsFile settings = plan_.runs[run].settings;
-    // The record says what is used.
+    // The resolved configuration must record the number of threads in use.
     if (prospect.takes_threads) settings.set(fmt::format("engine.threads={}", prospect.threads));
     return outcome_of_record(run_in(directory, set_up(settings, {.processes = processes}), hooks));
   } catch (std::exception const& error) {
@@ -88,7 +88,7 @@ std::string encode(SweepOutcome const& outcome) {
                                {"error", error ? Json(bits_of(*error)) : Json()},
                                {"unit", result.unit}});
   }
-  // A message may hold a path that is not UTF-8.
+  // A message may contain a path that is not valid UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

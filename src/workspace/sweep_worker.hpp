@@ -13,15 +13,15 @@
 
 namespace gridlock {
 
-/// Makes runs of a sweep, one at a time or several from several threads.
+/// Carries out runs of a sweep; several threads may use it at once.
 class SweepWorker {
  public:
   SweepWorker(SweepPlan const& plan, SweepSettings const& settings, SweepDirectory const& directory,
               MemoryBudget& memory)
       : plan_(plan), settings_(settings), directory_(directory), memory_(memory) {}
 
-  /// Makes a run, or continues what is there of it. `report` is told how far it is and says whether it should go on;
-  /// nothing comes back where it says so before the run begins. What breaks the run is in what comes back.
+  /// Carries out a run, or continues it if its directory has one. report(fraction) returns whether to continue; if it
+  /// returns false before the run begins, the result is nothing. An exception becomes a failed outcome.
   [[nodiscard]] std::optional<SweepOutcome> make(std::size_t run, Prospect const& prospect,
                                                  std::function<bool(double)> const& report) const;
 
@@ -32,9 +32,9 @@ class SweepWorker {
   MemoryBudget& memory_;
 };
 
-/// An outcome as one process tells it to another, every bit of its numbers.
+/// Returns an outcome as text for another process, with all bits of its numbers.
 std::string encode(SweepOutcome const& outcome);
-/// Errors: RunFailure for another text.
+/// Reads the text of encode(). Errors: RunFailure if the text is not valid.
 SweepOutcome decode_outcome(std::string const& text);
 
 }  // namespace gridlock
