@@ -1,7 +1,7 @@
 #pragma once
 
-/// \file
-/// Swap Monte Carlo: hard disks of many sizes brought to equilibrium where their own motion would take for ever.
+/// \file Swap Monte Carlo: brings hard disks of many sizes to equilibrium at densities at which their dynamics is too
+/// slow.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -26,70 +26,69 @@
 
 namespace gridlock {
 
-/// More sweeps than any machine makes.
+/// A bound on sweeps, more than any machine can make.
 inline constexpr std::uint64_t max_sweeps = (std::uint64_t{1} << 40) - 1;
 
 /// The settings of swap Monte Carlo.
 struct SwapSettings {
-  std::uint64_t sweeps = 100'000;  ///< of N trial moves each
+  std::uint64_t sweeps = 100'000;  ///< number of sweeps, of N trial moves each
   double swap_fraction = 0.2;      ///< share of the trial moves that swap radii
-  /// The largest displacement along x and along y, in mean diameters; left out: adjusted.
+  /// The largest displacement along x and along y, in mean diameters; empty: adjusted to an acceptance of 40 %.
   std::optional<double> step;
   /// Share of the sweeps, at their start, in which the step is adjusted until 40 % of the displacements are accepted.
-  /// They count for no average.
+  /// Averages leave these sweeps out.
   double adjusting = 0.1;
-  std::uint64_t stage = 0;  ///< runs of one seed that differ in this number have random numbers of their own; below 2²⁴
+  std::uint64_t stage = 0;  ///< stages of one run have different numbers, and so independent random numbers; below 2²⁴
 };
 
-/// How often trial moves were made and accepted since the step was fixed.
+/// Numbers of trial moves and of accepted ones since the step was fixed.
 struct SwapCounts {
   std::uint64_t displacements = 0;
   std::uint64_t accepted_displacements = 0;
-  std::uint64_t swaps = 0;  ///< of two disks of different radii
+  std::uint64_t swaps = 0;  ///< trial swaps of two different radii
   std::uint64_t accepted_swaps = 0;
 };
 
-/// Correlation after `lag` sweeps, over all time origins.
+/// Correlations after `lag` sweeps, averaged over all time origins.
 struct SwapCorrelation {
   std::uint64_t lag = 0;
   std::uint64_t origins = 0;
-  /// Q = ⟨share of disks with |Δr_i − ⟨Δr_j⟩| < 0.3 mean diameters⟩, j the neighbours of i at the origin: how many are
-  /// still in the cage they were in. Relative to the neighbours, since in two dimensions whole regions drift without
-  /// any rearrangement.
+  /// Q = ⟨share of disks with |Δr_i − ⟨Δr_j⟩| < 0.3 mean diameters⟩, j the neighbours of i at the origin: the share of
+  /// disks that are still in their cages. Relative to the neighbours, since in two dimensions whole regions drift
+  /// without rearrangement.
   double self_overlap = 1.0;
-  /// C₆ = ⟨Re Σ ψ6_i(t) ψ6_i*(0)⟩/⟨Σ |ψ6_i(0)|²⟩, the bond orientations of disks with neighbours nearer than 1.5
-  /// lattice spacings.
+  /// C₆ = ⟨Re Σ ψ6_i(t) ψ6_i*(0)⟩/⟨Σ |ψ6_i(0)|²⟩, ψ6 from neighbours nearer than 1.5 lattice spacings.
   double bond_orientation = 1.0;
 };
 
-/// The numbers by which a user judges whether equilibrium was reached.
+/// Numbers that show whether the disks are in equilibrium.
 struct SwapReport {
-  std::uint64_t sweeps = 0;  ///< done, those of the adjusting too
-  double step = 0.0;         ///< in mean diameters
+  std::uint64_t sweeps = 0;  ///< sweeps done, including those that adjust the step
+  double step = 0.0;         ///< largest displacement, in mean diameters
   std::optional<double> displacement_acceptance;
-  std::optional<double> swap_acceptance;  ///< absent where no two disks of different radii were tried
-  /// In sweeps: where Q and C₆ fall to 1/e; absent where they have not.
+  std::optional<double> swap_acceptance;  ///< absent if no swap of different radii was tried
+  /// Lags at which Q and C₆ fall to 1/e, in sweeps; absent if they have not.
   std::optional<double> overlap_relaxation_time;
   std::optional<double> bond_relaxation_time;
-  /// Sweeps since the step was fixed over the longer of the two times; absent where one of them is.
+  /// Sweeps since the step was fixed over the longer of the two relaxation times; absent if one of them is absent.
   std::optional<double> relaxation_times;
-  bool is_equilibrated = false;  ///< relaxation_times ≥ 10
-  std::string warning;           ///< in plain words what is missing to that; empty where nothing is
+  bool is_equilibrated = false;  ///< whether relaxation_times ≥ 10
+  std::string warning;           ///< the reason why is_equilibrated is false; else empty
 };
 
 /// Monte Carlo of hard disks in which disks also exchange their radii.
 ///
 /// A trial move picks a disk at random. A displacement, uniform in a square of side 2·step, is accepted if the disk
-/// overlaps nothing at its new place. A swap picks a second disk and exchanges the radii of the two (Ids, places,
-/// velocities and masses stay) and is accepted if none overlaps then. Each trial is as likely as its reverse, so that
-/// in the long run all arrangements of the disks and of their radii that do not overlap are equally likely. Once disks
-/// are dense, a disk leaves its cage by becoming smaller: with the σ⁻³ distribution of sizes equilibrium is reached at
-/// densities at which molecular dynamics stands still (Ninarello, Berthier, Coslovich 2017,
-/// doi:10.1103/PhysRevX.7.021039; in two dimensions Berthier et al. 2019, doi:10.1038/s41467-019-09512-3).
+/// overlaps nothing at its new position. A swap picks a second disk and exchanges their radii (Ids, positions,
+/// velocities and masses stay); it is accepted if neither disk then overlaps. Each trial is as likely as its reverse,
+/// so that in the long run all arrangements without overlaps are equally likely. At high density a disk can leave its
+/// cage once it is smaller: with the σ⁻³ distribution of sizes swaps reach equilibrium at densities at which molecular
+/// dynamics is arrested (Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039; in two dimensions Berthier
+/// et al. 2019, doi:10.1038/s41467-019-09512-3).
 ///
-/// The result is a pure function of the state, the settings and the seed: the same bits however the sweeps are divided
-/// into calls, whatever the order of the rows, killed and resumed. Time does not pass: the clock of the state stays.
-/// Errors: Error for settings out of their bounds, no disks, and a state that validate() refuses.
+/// The result depends on the state, the settings and the seed alone, not on the division of the sweeps into calls, the
+/// order of the rows or a resumed checkpoint. The clock of the state does not change. Errors: Error for settings out of
+/// their bounds, no disks, and a state that validate() refuses.
 /// Cost: docs/notebook/jamming.md; 100 bytes a disk, and up to 20 MB for the correlations.
 class SwapMonteCarlo {
  public:
@@ -98,17 +97,17 @@ class SwapMonteCarlo {
   SwapMonteCarlo(SwapMonteCarlo&& other) noexcept;
   SwapMonteCarlo& operator=(SwapMonteCarlo&& other) noexcept;
 
-  /// Goes on until all sweeps are done, and says so, or until should_continue(), asked after every sweep, says no.
-  /// Contract: the state is the one of the constructor or of the last call, with the same disks.
+  /// Makes sweeps until all are done, or should_continue(), called after every sweep, returns false; returns whether
+  /// all are done. Contract: `state` is that of the constructor or of the last call, with the same disks.
   bool advance(State& state, std::function<bool()> const& should_continue = {});
 
   [[nodiscard]] std::uint64_t sweeps_done() const;
   [[nodiscard]] SwapCounts const& counts() const;
-  /// For lags from one sweep on, those that have an origin.
+  /// Returns the correlations at all lags, from one sweep on, that have a time origin.
   [[nodiscard]] std::vector<SwapCorrelation> correlations() const;
   [[nodiscard]] SwapReport report() const;
 
-  /// Serializes what is kept between two calls of advance() besides the state, which has been serialized before.
+  /// Serializes the data kept between two calls of advance(), after the state.
   void serialize(Archive& archive, State const& state);
 
  private:
