@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// The minimum of the energy of soft disks: steepest descent, then the quasi-Newton method L-BFGS, then Newton's
+/// \file Minimizes the energy of soft disks: steepest descent, then the quasi-Newton method L-BFGS, then Newton's
 /// method.
 ///
 /// ```cpp
@@ -20,52 +19,53 @@
 
 namespace gridlock {
 
-/// How a minimum is looked for.
+/// The settings of a minimization. A residual is the largest net force on a disk over the mean contact force.
 struct MinimizerSettings {
   Potential potential = Potential::harmonic;
-  double residual = 1e-8;          ///< largest net force of a disk over the mean contact force at which it is found
-  double descent_residual = 0.01;  ///< the same, at which the search leaves the steepest way down; infinity: at once
-  double quasi_newton_residual = 1.0;  ///< the same, below which it goes on by L-BFGS and not by FIRE; 0: never
-  double newton_residual = 1e-3;       ///< the same, at which Newton's method takes over; 0: never
-  std::uint64_t iterations = 500'000;  ///< of all methods together; then it is given up
-  std::uint64_t threads = 1;           ///< 0: all cores
+  double residual = 1e-8;              ///< residual at which the minimum is found
+  double descent_residual = 0.01;      ///< residual at which steepest descent ends; infinity: at once
+  double quasi_newton_residual = 1.0;  ///< residual below which L-BFGS replaces FIRE; 0: never
+  double newton_residual = 1e-3;       ///< residual below which Newton's method is used; 0: never
+  std::uint64_t iterations = 500'000;  ///< limit for all methods together
+  std::uint64_t threads = 1;           ///< 0: one for each core
 };
 
 /// The result of a minimization.
 enum class MinimumStatus {
   searching,    ///< not finished
-  converged,    ///< the residual is reached, and disks press on each other
-  unjammed,     ///< E/N < 1e-16: the disks have moved apart
-  unconverged,  ///< neither, after all iterations
+  converged,    ///< the residual is reached, and the pressure is above 0
+  unjammed,     ///< E/N < 1e-16: no disks overlap
+  unconverged,  ///< neither after all iterations
 };
 char const* to_text(MinimumStatus status);
 
-/// Moves soft disks downhill to the next minimum of their energy.
+/// Moves soft disks downhill to a minimum of their energy.
 ///
-/// Which minimum that is, the way down decides. It is the steepest one, dx/dt = F, until the residual is
-/// `descent_residual` or the energy of a disk 10⁻⁸ ε: by the other methods fewer packings jam. Explicit
-/// Runge–Kutta–Chebyshev steps, whose error displaces no disk by more than 0.01 D.
+/// The method determines the minimum that is found. Steepest descent, dx/dt = F, is used until the residual is
+/// `descent_residual` or the energy of a disk 10⁻⁸ ε, since fewer packings jam with the other methods. Its steps are
+/// explicit Runge–Kutta–Chebyshev steps, whose error displaces no disk by more than 0.01 D.
 ///
-/// Then steps by the inverse Hessian that the last five steps tell (L-BFGS). A step is halved up to six times until it
-/// lowers the energy by 10⁻⁴ of what the slope promises or halves the residual; where none does, FIRE takes over, down
-/// to a tenth of the residual.
+/// L-BFGS follows, with an inverse Hessian from the last five steps. A step is halved up to six times until it lowers
+/// the energy by 10⁻⁴ of the linear prediction or halves the residual; if it does not, FIRE is used down to a tenth of
+/// the residual.
 ///
-/// FIRE 2.0, for that and above `quasi_newton_residual`, with unit masses: v ← v + F dt, v ← (1 − α) v + α |v| F/|F|, x
-/// ← x + v dt; where F·v ≤ 0, half a step back and v ← 0. Delay 20, growth 1.1, shrinking 0.5, α₀ = 0.25, × 0.99; dt
-/// from 0.1 to 0.45 √(m D²/ε), D the smallest diameter.
+/// FIRE 2.0 is also used above `quasi_newton_residual`, with unit masses: v ← v + F dt, v ← (1 − α) v + α |v| F/|F|, x
+/// ← x + v dt; if F·v ≤ 0, half a step back and v ← 0. Delay 20, growth 1.1, shrinking 0.5, α₀ = 0.25, × 0.99; dt from
+/// 0.1 to 0.45 √(m D²/ε), D the smallest diameter.
 ///
-/// Below `newton_residual` Newton's method with H + s 1, factorized by Cholesky: s/(ε/D²) starts at 1e-9, grows tenfold
-/// until the matrix is positive definite, and shrinks to a fifth after a full step. Where a step does not halve the
-/// residual, L-BFGS takes over, down to a tenth of it. No step of either moves a disk by more than 0.1 D.
+/// Below `newton_residual` Newton's method is used with the matrix H + s 1 in Cholesky factors: s/(ε/D²) starts at
+/// 1e-9, grows tenfold until the matrix is positive definite, and shrinks to a fifth after a full step. If a step does
+/// not halve the residual, L-BFGS is used down to a tenth of it. No step of these methods moves a disk by more than 0.1
+/// D.
 ///
-/// Where the forces balance at a saddle, with a curvature below −1e-7 ε/D², all disks are displaced by 1e-4 D and the
-/// search goes downhill from there; not where `newton_residual` is 0, and not where a net force above 10⁻³ of the mean
-/// contact force is as good as was asked for. Overlaps near the rounding of the positions set a limit to the residual:
-/// it counts as reached at 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean overlap. Same bits for any number
-/// of threads, interrupted or not: each disk adds up its forces in the order of their numbers.
+/// At a saddle, where forces balance and a curvature is below −1e-7 ε/D², all disks are displaced by 1e-4 D and the
+/// search continues downhill; not if `newton_residual` is 0 or `residual` is above 10⁻³. Overlaps near the rounding of
+/// positions limit the residual: it counts as reached at 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean
+/// overlap. The bits do not depend on threads or interruptions: each disk adds its forces in the order of the numbers
+/// of its neighbours.
 /// Errors: Error for a packing that find_contacts() refuses, and settings out of range.
-/// Cost: 15 to 30 ns a disk and evaluation of the forces: one for an iteration of FIRE or L-BFGS, 2 to 200 for a step
-/// of steepest descent; a Newton step of 10⁴ disks 0.2 s. Sources: B. P. Sommeijer et al. (1998),
+/// Cost: 15 to 30 ns a disk and evaluation of the forces, with one evaluation for an iteration of FIRE or L-BFGS, 2 to
+/// 200 for a step of steepest descent; 0.2 s for a Newton step of 10⁴ disks. Sources: B. P. Sommeijer et al. (1998),
 /// doi:10.1016/S0377-0427(97)00219-7; J. Guénolé et al. (2020), doi:10.1016/j.commatsci.2020.109584; D. C. Liu and J.
 /// Nocedal (1989), doi:10.1007/BF01589116.
 class Minimizer {
@@ -73,27 +73,27 @@ class Minimizer {
   Minimizer(MinimizerSettings const& settings, Packing packing);
   ~Minimizer();
 
-  /// Iterates until the search has ended or should_continue, asked after every few iterations, says no. Returns whether
-  /// it has ended.
+  /// Iterates until the search ends or should_continue(), called after every few iterations, returns false. Returns
+  /// whether the search has ended.
   bool advance(std::function<bool()> const& should_continue = {});
 
-  /// Searches anew from these positions and radii, at rest. Contract: as many disks as before.
+  /// Starts a new search from other positions and radii. Contract: the number of disks is the same.
   void restart(Packing packing);
 
-  /// The same from near a minimum, from which few contacts are missing: Newton's method begins. It is left when more
-  /// than 20 of its steps have not halved the residual, for 2,000 iterations of the other methods. Contract: as many
-  /// disks as before.
+  /// Starts a new search near a minimum, of which few contacts are missing, with Newton's method. If more than 20 of
+  /// its steps have not halved the residual, 2,000 iterations of the other methods follow. Contract: the number of
+  /// disks is the same.
   void restart_near_minimum(Packing packing);
 
   [[nodiscard]] MinimumStatus status() const { return status_; }
-  /// The disks; those of a periodic box may have left it on any side.
+  /// Returns the disks; in a periodic box positions may be outside.
   [[nodiscard]] Packing const& packing() const { return packing_; }
   [[nodiscard]] double energy() const { return energy_; }
-  /// Largest net force over the mean contact force; 0 without contacts.
+  /// Returns the largest net force over the mean contact force; 0 without contacts.
   [[nodiscard]] double residual() const { return residual_; }
-  /// P D²/ε.
+  /// Returns the pressure P D²/ε.
   [[nodiscard]] double pressure() const;
-  /// Iterations of all searches so far, by any method and by each.
+  /// Return the iterations of all searches so far: of all methods together, and of each method.
   [[nodiscard]] std::uint64_t iterations() const {
     return descent_iterations_ + fire_iterations_ + quasi_newton_iterations_ + newton_iterations_;
   }

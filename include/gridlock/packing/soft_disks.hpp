@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Disks that repel each other where they overlap: packings, their contacts and energy.
+/// \file Soft disks, which repel each other if they overlap: packings, their contacts and energy.
 ///
 /// ```cpp
 /// Packing const packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.3, 0.45}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};
@@ -21,11 +20,11 @@
 
 namespace gridlock {
 
-/// How the energy of two disks grows with their overlap δ = 1 − r/σ, σ the sum of their radii: V = (ε/α) δ^α with α = 2
-/// (harmonic) or 5/2 (Hertzian). All energies are in units of ε.
+/// The energy of two disks with the overlap δ = 1 − r/σ, σ the sum of their radii: V = (ε/α) δ^α with α = 2 (harmonic)
+/// or 5/2 (Hertzian). All energies are in units of ε.
 enum class Potential { harmonic, hertzian };
 
-/// Where disks are and how large they are; of no time and with no motion.
+/// Positions and radii of disks at rest.
 struct Packing {
   Box box{1.0, 1.0, Edge::periodic};
   std::vector<double> x;
@@ -35,52 +34,52 @@ struct Packing {
   [[nodiscard]] std::size_t size() const { return x.size(); }
 };
 
-/// The disks of a state in the order of their Ids.
+/// Returns the disks of a state in the order of their Ids.
 Packing packing_of(State const& state);
 
-/// The diameter of the smallest disk, the unit of length of pressures and moduli; 0 for no disks.
+/// Returns the smallest diameter, the unit of length of pressures and moduli; 0 for no disks.
 double smallest_diameter(Packing const& packing);
-/// Σ π R² over the area of the box; overlaps count twice.
+/// Returns Σ π R² over the area of the box; overlaps count twice.
 double packing_fraction(Packing const& packing);
 
 /// Two disks, or a disk and a wall, that overlap or nearly touch.
 struct Contact {
   std::uint32_t first = 0;
-  std::uint32_t second = 0;       ///< the other disk, a larger number; for a wall the number of disks + Counters::Wall
-  Vector normal;                  ///< of length 1, from the first to the second
+  std::uint32_t second = 0;       ///< the other disk, with a larger number; for a wall the number of disks +
+                                  ///< Counters::Wall
+  Vector normal;                  ///< unit vector from the first to the second
   double distance = 0.0;          ///< r, between the centres, or from the centre to the wall
   double contact_distance = 0.0;  ///< σ, the sum of the radii, or the radius at a wall
 
-  /// δ = 1 − r/σ, below 0 for a gap.
+  /// Returns δ = 1 − r/σ, below 0 for a gap.
   [[nodiscard]] double overlap() const { return 1.0 - distance / contact_distance; }
 };
 
-/// V = δ^α/α of a contact; 0 for a gap.
+/// Returns V = δ^α/α of a contact; 0 for a gap.
 double energy_of(Contact const& contact, Potential potential);
-/// −dV/dr = δ^(α−1)/σ, which pushes the two apart; 0 for a gap.
+/// Returns the repulsive force −dV/dr = δ^(α−1)/σ; 0 for a gap.
 double force_of(Contact const& contact, Potential potential);
-/// d²V/dr² = (α−1) δ^(α−2)/σ²; 0 for a gap.
+/// Returns d²V/dr² = (α−1) δ^(α−2)/σ²; 0 for a gap.
 double stiffness_of(Contact const& contact, Potential potential);
 
-/// All pairs of disks, and of disks and walls, with r < σ (1 + largest_gap), sorted by their numbers.
+/// Returns all pairs of disks, and of disks and walls, with r < σ (1 + largest_gap), sorted by their numbers.
 ///
-/// A periodic box must be wider than twice the largest of these distances; the nearest image counts.
+/// A periodic box must be wider than twice the largest of these distances, which are measured to the nearest image.
 /// Errors: Error for a packing that require_valid() refuses and for a box that is too small.
 /// Cost: that of find_pairs() with the cutoff of the two largest disks, and a sort.
 std::vector<Contact> find_contacts(Packing const& packing, double largest_gap = 0.0);
 
-/// The sum of the energies.
+/// Returns the sum of the energies of contacts.
 double energy_of(std::span<Contact const> contacts, Potential potential);
 
-/// The force on every disk.
+/// Returns the net force on every disk.
 std::vector<Vector> forces_of(std::span<Contact const> contacts, Potential potential, std::size_t disks);
 
-/// P = Σ f r / (2 A) over all contacts, in ε per area. At walls, which do not overlap each other, the distance is r
-/// too.
+/// Returns P = Σ f r / (2 A) over all contacts, in ε per area. At walls r is the distance from the centre to the wall.
 double pressure_of(std::span<Contact const> contacts, Potential potential, Box const& box);
 
-/// Throws Error for a packing whose arrays differ in length, hold numbers that are not finite or radii that are not
-/// positive, and for centres outside walls.
+/// Throws Error for arrays of different length, numbers that are not finite, radii that are not positive, and centres
+/// outside walls.
 void require_valid(Packing const& packing);
 
 }  // namespace gridlock

@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// The settings of a protocol: what happens to disks before a run.
+/// \file The settings of a protocol, the stages that change disks before a run.
 ///
 /// ```cpp
 /// std::vector<StageSettings> const stages{{.kind = "quench", .packing_fraction = 0.86},
@@ -20,11 +19,11 @@
 
 namespace gridlock {
 
-/// One stage, `[[protocol]]`: it does one thing to the disks. A kind of stage takes the settings at which it is named.
+/// One stage, `[[protocol]]`. Each setting lists the kinds of stage that use it.
 struct StageSettings {
   std::string kind = "quench";                     ///< one of stage_kinds()
   std::optional<double> rate;                      ///< grow: γ
-  std::optional<double> packing_fraction;          ///< quench: at which
+  std::optional<double> packing_fraction;          ///< quench: packing fraction at which it is made
   std::optional<double> until_packing_fraction;    ///< grow, compress, decompress
   std::optional<double> until_pressure;            ///< grow: reduced; compress, decompress: in ε/D²
   std::optional<double> until_time;                ///< run
@@ -43,17 +42,17 @@ struct SoftSettings {
 };
 void describe(SoftSettings& settings, SettingVisitor& visitor);
 
-/// "grow", "run" …
+/// Returns the kinds of stages: "grow", "run" …
 std::vector<std::string> stage_kinds();
 
-/// Whether disks may overlap when such a stage has ended. Errors: Error for a kind that is none of stage_kinds().
+/// Returns whether disks may overlap at the end of a stage. Errors: Error for a kind that is not in stage_kinds().
 bool leaves_overlaps(std::string_view kind);
 
-/// Throws Error, with the place of each, for stages of an unknown kind, that have settings of others, lack one that
-/// they need, start from what the stage before cannot leave, or end at a packing fraction on the other side of the one
-/// at which they are known to begin.
+/// Throws Error, with the setting, for a stage of an unknown kind, with settings of other kinds, without a setting that
+/// it needs, that cannot follow the stage before, or that ends at a packing fraction on the wrong side of that of its
+/// start.
 ///
-/// The packing fraction is that of the start, where it is known.
+/// `packing_fraction` belongs to the start of the first stage; empty if it is not known.
 void require_valid(std::vector<StageSettings> const& stages, std::optional<double> packing_fraction = {});
 
 }  // namespace gridlock
