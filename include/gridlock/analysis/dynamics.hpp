@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// How agents move: displacements of a trajectory, lag by lag, over all time origins.
+/// \file Displacements of agents in a trajectory, for each lag, over all time origins.
 ///
 /// ```cpp
 /// std::vector<double> const positions{0.0, 0.0, 0.1, 0.0, 0.2, 0.0};  // one agent in three frames
@@ -22,24 +21,23 @@ namespace gridlock {
 
 /// Positions of the same agents in many frames, without jumps at the edges of a periodic box.
 struct TrajectoryInMemory {
-  double const* positions =
-      nullptr;  ///< x of agent i in frame f is positions[2 (f · agents + i)], y the number behind it
+  double const* positions = nullptr;  ///< x of agent i in frame f is positions[2 (f · agents + i)], y the next number
   std::size_t frames = 0;
   std::size_t agents = 0;
   std::span<double const> times;              ///< one for each frame, ascending
-  std::span<std::uint32_t const> kinds = {};  ///< one for each agent, from 0 without a gap; empty: all of one kind
+  std::span<std::uint32_t const> kinds = {};  ///< one for each agent, 0, 1, 2 … without gaps; empty: one kind
 };
 
 /// The quantities that are measured besides displacements.
 struct DynamicsSettings {
-  double wave_number = 0.0;     ///< q of F_s(q, t), in 1 / length; 0: it is left out
-  double overlap_length = 0.0;  ///< a of the overlap; 0: it is left out
-  std::size_t max_lags = 0;     ///< so many lags at most, evenly in their logarithm; 0: all
-  bool keeps_drift = true;      ///< false: positions count from the mean of all agents of their frame
-  std::uint64_t threads = 1;    ///< 0: all cores
+  double wave_number = 0.0;     ///< q of F_s(q, t), in 1 / length; 0: no F_s
+  double overlap_length = 0.0;  ///< a of the overlap; 0: no overlap
+  std::size_t max_lags = 0;     ///< largest number of lags, evenly in their logarithm; 0: all
+  bool keeps_drift = true;      ///< false: positions relative to the mean position in each frame
+  std::uint64_t threads = 1;    ///< 0: one for each core
 };
 
-/// One estimate for each lag; none for what is left out.
+/// The quantities of one kind of agents: one estimate for each lag; empty for quantities that are not measured.
 struct DynamicsOfKind {
   std::vector<Estimate> squared_displacement;
   std::vector<Estimate> non_gaussian;
@@ -49,27 +47,27 @@ struct DynamicsOfKind {
 
 struct Dynamics {
   std::vector<double> lag;                         ///< ascending, above 0
-  std::vector<std::uint64_t> origins;              ///< pairs of frames with this lag
-  std::vector<std::uint64_t> independent_origins;  ///< those of them whose intervals do not overlap
+  std::vector<std::uint64_t> origins;              ///< number of pairs of frames with each lag
+  std::vector<std::uint64_t> independent_origins;  ///< number of these pairs whose intervals do not overlap
   std::vector<DynamicsOfKind> kinds;
 };
 
-/// Means over agents and time origins for every lag between two frames, for each kind of agents.
+/// Returns means over agents and time origins for every lag between two frames, for each kind of agents.
 ///
 ///     squared_displacement = ⟨Δr²⟩                     Δr = r(t₀ + t) − r(t₀)
 ///     non_gaussian         = ⟨Δr⁴⟩ / (2 ⟨Δr²⟩²) − 1    0 for Gaussian displacements in two dimensions
 ///     scattering           = ⟨J₀(q |Δr|)⟩              F_s(q, t), averaged over all directions of q
 ///     overlap              = share of agents with |Δr| ≤ a
 ///
-/// Frames may be even in time, in its logarithm, in blocks of it, or anyhow: pairs of frames whose lags differ by less
-/// than a thousandth of the shortest time between frames count as one lag. A mean takes all pairs of a lag. Its error
-/// comes from origins whose intervals do not overlap, averaged in blocks where they are many; it is absent where there
-/// is but one, and somewhat too large because overlapping intervals know more. It knows nothing of what changes more
-/// slowly than the trajectory. The result does not depend on the number of threads.
+/// Frames may be at any times: lags that differ by less than a thousandth of the shortest time between frames count as
+/// one lag. A mean takes all pairs of frames of a lag. Its error comes from time origins whose intervals do not
+/// overlap, in blocks if they are many. The error is absent for one such origin, and somewhat too large, since
+/// overlapping intervals add information. It misses changes slower than the trajectory. The result does not depend on
+/// the number of threads.
 /// Errors: Error for fewer than two frames, times that do not ascend, positions that are not finite, kinds with gaps,
-/// and more than 8192 frames that are not even in time.
+/// and more than 8192 frames that are not at equal time intervals.
 /// Cost: pairs of frames · agents · 0.5 ns with AVX-512, 1.1 ns without; with F_s 2 ns and 4.3 ns (AMD Zen 4). Memory:
-/// 1 MiB beside the trajectory, and 8 bytes a pair of frames that are not even in time.
+/// 1 MiB besides the trajectory, and 8 bytes a pair of frames unless they are at equal time intervals.
 /// Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405 (⟨Δr²⟩, α₂); W. Kob & H. C. Andersen (1995),
 /// doi:10.1103/PhysRevE.52.4134 (F_s of supercooled mixtures); N. Lačević et al. (2003), doi:10.1063/1.1605094
 /// (overlap).

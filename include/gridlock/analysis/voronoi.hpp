@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Voronoi cells: which part of the box is nearest to which point, and whose cells share an edge.
+/// \file The Voronoi cells of points, their areas and neighbours, and the bond orientation order of each point.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.25, 0.75, 0.25, 0.75};
@@ -20,34 +19,30 @@
 namespace gridlock {
 
 struct VoronoiCells {
-  /// Whose cells share an edge with that of a point, counterclockwise; one entry for each edge.
+  /// The Voronoi neighbours of each point, counterclockwise; one entry for each edge of the cell.
   NeighbourLists neighbours;
   std::vector<double> areas;
 };
 
-/// The Voronoi cell of every point: all places of the box that are nearer to it than to any other point or image of
-/// one.
+/// Returns the Voronoi cell of every point: the part of the box that is nearer to it than to any other point or image.
 ///
-/// Walls cut cells, and two points are neighbours where their cells share an edge inside the box. In a periodic box of
-/// few points a point can be a neighbour twice, and its own, through the edges. Edges shorter than 10⁻⁹ of the cell do
-/// not count, so that on a square lattice, where four cells meet, every point has four neighbours. Neighbours are
-/// always mutual. A cell is cut by half planes, ring of grid cells by ring, until all points are farther than twice its
-/// farthest corner.
-/// Errors: Error for points that are not finite, at the same place, or outside walls. Coordinates outside a periodic
-/// box are those of the image inside. The result does not depend on `threads` (0: all cores).
-/// Cost: 1 µs a point where they are even; up to 40 ns · N a point where nearly all are on a line or in a small part of
-/// the box.
-/// Source: G. Voronoi (1908), doi:10.1515/crll.1908.134.198; cutting cell by cell: C. H. Rycroft (2009),
-/// doi:10.1063/1.3215722.
+/// Walls cut cells, and two points are neighbours if their cells share an edge inside the box. In a periodic box of few
+/// points a point can be a neighbour of another twice, or of itself, through the edges of the box. Edges shorter than
+/// 10⁻⁹ of the cell do not count: on a square lattice, where four cells meet at a corner, every point has four
+/// neighbours. Neighbours are always mutual. Method: half planes cut a cell, for points in growing rings of grid cells,
+/// until all other points are farther away than twice its farthest corner. Errors: Error for points that are not
+/// finite, at the same position, or outside walls. A point outside a periodic box means its image inside. The result
+/// does not depend on `threads` (0: one for each core). Cost: 1 µs a point for points that are spread evenly; up to 40
+/// ns · N a point if nearly all are on a line or in a small part of the box. Source: G. Voronoi (1908),
+/// doi:10.1515/crll.1908.134.198; cutting cell by cell: C. H. Rycroft (2009), doi:10.1063/1.3215722.
 VoronoiCells find_voronoi_cells(Box const& box, PointsInMemory const& points, std::uint64_t threads = 1);
 
-/// |ψ6| of every point: how nearly the directions to its Voronoi neighbours are those of a regular hexagon, 1 for all at once.
+/// Returns |ψ6| of every point: how well its Voronoi neighbours form a regular hexagon, 1 if they do.
 ///
 ///     ψ6(j) = (1/n_j) Σ_k exp(6 i θ_jk)
 ///
-/// over the n_j points k whose cells share an edge with that of j, θ_jk the direction to the nearest image of k. 0
-/// without neighbours.
-/// Contract: `neighbours` are those that find_voronoi_cells() has found for the points.
+/// over the n_j Voronoi neighbours k of point j, θ_jk the direction to the nearest image of k. 0 without neighbours.
+/// Contract: `neighbours` comes from find_voronoi_cells() of the points.
 /// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
 std::vector<double> local_bond_orientation_orders(Box const& box, PointsInMemory const& points,
                                                   NeighbourLists const& neighbours);

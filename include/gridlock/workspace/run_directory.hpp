@@ -1,7 +1,6 @@
 #pragma once
 
-/// \file
-/// Runs that write a directory: checkpoints, results, resuming.
+/// \file Runs in a directory of their own: checkpoints, results and resuming.
 ///
 /// ```cpp
 /// RunRecord const record = run_in("results/first", set_up(SettingsFile::from_path("scenes/paper.toml")));
@@ -21,20 +20,20 @@
 
 namespace gridlock {
 
-/// Makes sure a run may write into the directory, which is created where it is missing.
+/// Creates the directory of a run if it is missing, and checks that the run may write into it.
 ///
-/// Without `overwrites` nothing is replaced: neither results that are there already nor files of the user under the
-/// names that the run needs. With it both are, and no other file. The start file and the settings file are what the run
-/// is made from and stay in any case.
-/// Errors: Error under the key "-o".
+/// Without `overwrites` nothing is replaced: neither earlier results nor files of the user with names that the run
+/// needs. With `overwrites` both are replaced, and no other file. The start file and the settings file of the run are
+/// never replaced.
+/// Errors: Error with the key "-o".
 void open_run_directory(std::filesystem::path const& directory, Setup const& setup, bool overwrites,
                         std::filesystem::path const& settings_file = {});
 
-/// Whether a directory is kept from all other processes, or shared with those that share it too.
+/// Whether a lock excludes all other processes, or only those that do not share it.
 enum class Sharing { alone, with_others };
 
-/// Keeps other processes from writing into a directory, for as long as it lives.
-/// Errors: Error under the key "-o" where another process holds it. A lock dies with its process, however that ends.
+/// A lock that keeps other processes from writing into a directory until it is destroyed or the process ends. Errors:
+/// Error with the key "-o" if another process holds the lock.
 class DirectoryLock {
  public:
   static constexpr char const* file_name = ".lock";
@@ -44,8 +43,7 @@ class DirectoryLock {
   DirectoryLock(DirectoryLock const&) = delete;
   DirectoryLock& operator=(DirectoryLock const&) = delete;
 
-  /// Whether a process is at work in the directory, as far as the file system tells: one that keeps locks of each
-  /// machine apart knows of this one alone.
+  /// Returns whether a process holds the lock of the directory. Some file systems show only locks of this machine.
   static bool is_held(std::filesystem::path const& directory);
 
  private:
@@ -53,62 +51,60 @@ class DirectoryLock {
   int descriptor_ = -1;
 };
 
-/// Who wants to know what of a run in a directory.
+/// The functions and options of a run in a directory.
 struct RunHooks {
   OnProgress on_progress;
   std::function<void(Event const&)> on_event;  ///< called for every line of run.log
-  std::optional<std::uint64_t> threads;        ///< in place of engine.threads; left out: as configured
-  AllProcesses processes = {};                 ///< of resume_in() and lengthen_in(): those that share the run
+  std::optional<std::uint64_t> threads;        ///< in place of engine.threads; empty: engine.threads
+  AllProcesses processes = {};                 ///< for resume_in() and lengthen_in(): processes that share the run
 };
 
-/// Runs a set-up in a directory of its own, which holds from the first step on
+/// Runs a set-up in a directory of its own, which has from the first step on
 ///
-///     config.resolved.toml   the run again, to the bit; start.xyz too where it began from a file
-///     checkpoint.gridlock    everything the rest of the run depends on, and .previous. before it until it is finished; the
+///     config.resolved.toml   gives the same run again, to the bit; with start.xyz for a start from a file
+///     checkpoint.gridlock    all data to continue the run, and .previous. the one before, until it is finished; the
 ///                            last one stays unless checkpoint.keep_last = false, for lengthen_in() to continue from
-///     run.log                what happened when
-///     trajectory.h5          its frames, where [trajectory] asks for some
+///     run.log                events of the run with their times
+///     trajectory.h5          its frames, if [trajectory] sets any
 ///
 /// and in the end
 ///
-///     summary.json           every final observable with its error, state hash, version, seed, timing
+///     summary.json           every result with its error, state hash, version, seed, timing
 ///     series.csv             one row per sample
 ///     <distribution>.csv     speed_distribution, pair_correlation …
 ///     final.xyz              the last state
 ///
-/// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot
-/// be written is noted, and the run continues. Every file is written whole or not at all; summary.json comes last.
-/// Results that Gridlock has written there before are removed first.
-/// Errors: Error where another process works in the directory, and where a file that Gridlock has not written has a
-/// name that the run needs; RunFailure where results cannot be written.
+/// A run that is interrupted writes a checkpoint; a run that fails keeps its last checkpoint. A checkpoint that cannot
+/// be written is logged, and the run continues. Every file is written completely or not at all; summary.json is the
+/// last. Earlier results of Gridlock in the directory are removed first. Errors: Error if another process works in the
+/// directory, or if a file that Gridlock has not written has a name that the run needs; RunFailure if results cannot be
+/// written.
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks = {});
 
-/// Continues a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start
-/// where there is none. It ends with the same bits as a run that was never interrupted, whatever the number of threads.
-/// Errors: those of run_in(); Error where the directory holds no run, where the run is finished, where its checkpoints
-/// are of another version or another configuration, or all damaged, or where trajectory.h5 lacks frames from before the
-/// checkpoint.
+/// Continues a run that was interrupted, killed or failed from its newest undamaged checkpoint, or from the start if
+/// there is no checkpoint. It ends with the same bits as a run without interruption, for any number of threads. Errors:
+/// those of run_in(); Error if the directory has no run, if the run is finished, if its checkpoints are of another
+/// version or configuration or all damaged, or if trajectory.h5 lacks frames from before the checkpoint.
 RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hooks = {});
 
-/// The length of a run from its start: the run ends at whichever of those given comes first.
+/// The length of a run from its start: the run ends when it reaches the first of the given lengths.
 struct RunLength {
   std::optional<std::uint64_t> steps;
   std::optional<double> time;
   std::optional<double> collisions_per_disk;
 };
 
-/// Continues a run, finished or not, to another length, which takes the place of all lengths it had.
+/// Continues a run, finished or not, to another length, which replaces all earlier lengths.
 ///
-/// It ends with the same bits as a run of the configuration that config.resolved.toml holds from then on: the old one
-/// with the new length. State, series and frames are those of a run that long. Averages continue to leave out the
-/// samples that they have left out so far: where the share observe.equilibration of the new length would be another
-/// number of them, observe.equilibration in config.resolved.toml becomes the share that fits. A lengthening that is
-/// killed at any time is continued by resume_in(), to the old length or the new one.
-/// Errors: those of resume_in(), except that the run may be finished; Error where a finished run kept no checkpoint,
-/// and for a length that the run has passed or that is below the one it has.
+/// config.resolved.toml gets the new length, and the run ends with the same bits as a new run of this configuration.
+/// Averages still leave out the same samples: if observe.equilibration of the new length would leave out another number
+/// of samples, it is changed in config.resolved.toml to a share that fits. If the process is killed, resume_in()
+/// continues the run to the old or the new length. Errors: those of resume_in(), except that the run may be finished;
+/// Error if a finished run kept no checkpoint, and for a length that the run has passed or that is below its earlier
+/// length.
 RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks = {});
 
-/// The contents of summary.json of a run.
+/// The contents of the file summary.json of a run.
 struct RunSummary {
   RunStatus status = RunStatus::interrupted;
   std::string failure;
@@ -118,11 +114,11 @@ struct RunSummary {
   std::vector<NamedEstimate> results;
 };
 
-/// Reads summary.json of a directory; nothing where there is none.
+/// Reads summary.json of a directory; returns nothing if the file is missing.
 /// Errors: Error for a file that is damaged.
 std::optional<RunSummary> read_summary(std::filesystem::path const& directory);
 
-/// The configuration of a set-up as its directory keeps it.
+/// Returns the text of config.resolved.toml for a set-up.
 std::string resolved_configuration(Setup const& setup);
 
 }  // namespace gridlock
