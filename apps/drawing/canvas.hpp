@@ -20,7 +20,7 @@ struct PixelRectangle {
   double height = 0.0;
 };
 
-/// A line around or along something.
+/// The style of a line.
 struct Stroke {
   Colour colour;
   double width = 1.0;
@@ -30,15 +30,15 @@ struct Stroke {
 
 enum class TextAnchor { start, middle, end };
 
-/// A line of text.
+/// The style of a line of text.
 struct Lettering {
   double size = 12.0;
   TextAnchor anchor = TextAnchor::start;
-  bool is_upright = false;  ///< turned by 90°, to be read from below
+  bool is_upright = false;  ///< rotated by 90°, to be read upwards
   Colour colour;
 };
 
-/// A surface a picture is drawn on.
+/// A surface on which pictures are drawn.
 class Canvas {
  public:
   virtual ~Canvas() = default;
@@ -48,7 +48,7 @@ class Canvas {
   virtual void line(Vector from, Vector to, Stroke const& stroke) = 0;
   virtual void text(Vector at, std::string_view text, Lettering const& lettering) = 0;
 
-  /// Until end_clip() nothing shows outside the rectangle.
+  /// Restricts drawing to a rectangle until end_clip().
   virtual void begin_clip(PixelRectangle const& rectangle) = 0;
   virtual void end_clip() = 0;
 
@@ -62,7 +62,7 @@ class Canvas {
   Canvas& operator=(Canvas&&) = default;
 };
 
-/// A picture of pixels, drawn by Cairo. Errors: RunFailure where Cairo fails, as it does for lack of memory.
+/// A picture of pixels, drawn by Cairo. Errors: RunFailure if Cairo fails, for example for lack of memory.
 class PixelCanvas final : public Canvas {
  public:
   PixelCanvas(double width, double height);
@@ -77,7 +77,7 @@ class PixelCanvas final : public Canvas {
 
   [[nodiscard]] std::uint32_t width() const;
   [[nodiscard]] std::uint32_t height() const;
-  /// The picture so far, row by row from the top, each pixel a 32-bit number 0x00RRGGBB.
+  /// Returns the pixels by rows from the top, each as a 32-bit number 0x00RRGGBB.
   [[nodiscard]] std::string pixels() const;
 
  private:

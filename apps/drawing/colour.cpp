@@ -34,7 +34,7 @@ Colour viridis(double t) {
                                       from_hex(0x23898E), from_hex(0x1F978B), from_hex(0x21A585), from_hex(0x2EB37C),
                                       from_hex(0x46C06F), from_hex(0x65CB5E), from_hex(0x89D548), from_hex(0xB0DD2F),
                                       from_hex(0xD8E219), from_hex(0xFDE725)};
-  double const share = t > 0.0 ? std::min(t, 1.0) : 0.0;  // and 0 for nan
+  double const share = t > 0.0 ? std::min(t, 1.0) : 0.0;  // 0 for NaN
   double const place = share * static_cast<double>(anchors.size() - 1);
   std::size_t const below = std::min(static_cast<std::size_t>(place), anchors.size() - 2);
   return mixed(anchors[below], anchors[below + 1], place - static_cast<double>(below));
@@ -43,7 +43,7 @@ Colour viridis(double t) {
 Colour colour_circle(double t) {
   double const angle = 2.0 * std::numbers::pi * t;
   constexpr double chroma = 0.12;
-  double const lightness = 0.70 + 0.12 * std::cos(angle - 1.9);  // brightest at yellow, where there are bright colours
+  double const lightness = 0.70 + 0.12 * std::cos(angle - 1.9);  // brightest at yellow, whose vivid shades are bright
   double const a = chroma * std::cos(angle);
   double const b = chroma * std::sin(angle);
   auto const cubed = [](double x) { return x * x * x; };

@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-/// Errors: Error for a frame that cannot be drawn, or not in this colour.
+/// Errors: Error if the frame has no positions or the agents cannot be coloured this way.
 void require_drawable(Frame const& frame, std::string const& colour) {
   if (frame.find("x") == nullptr || frame.find("y") == nullptr) {
     throw Error(Problem{.what = "the agents have no positions to draw them at",
@@ -28,7 +28,7 @@ void require_drawable(Frame const& frame, std::string const& colour) {
                       .key = "--colour"});
 }
 
-/// The colour in the spelling of this program.
+/// Returns the name of a colour in British spelling.
 std::string spelt(std::string const& colour) { return colour == "neighborhood" ? "neighbourhood" : colour; }
 
 }  // namespace

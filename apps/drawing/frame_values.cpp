@@ -10,7 +10,7 @@ namespace gridlock {
 
 namespace {
 
-/// The values of a column that the frame has.
+/// Returns the values of an existing column.
 std::vector<double> numbers_of(Frame const& frame, std::string const& name) {
   return std::visit([](auto const& values) { return std::vector<double>(values.begin(), values.end()); },
                     frame.find(name)->values);
@@ -20,10 +20,10 @@ std::vector<double> numbers_or(Frame const& frame, std::string const& name, doub
   return frame.find(name) == nullptr ? std::vector<double>(frame.size(), otherwise) : numbers_of(frame, name);
 }
 
-/// How the column of the motion along x begins: "velocity", or "heading" where agents only know where they go.
+/// Returns the prefix of the columns of motion: "heading" if agents have headings, otherwise "velocity".
 std::string motion_of(Frame const& frame) { return frame.find("heading_x") == nullptr ? "velocity" : "heading"; }
 
-/// The coordinates of the agents of a frame, or how often they have crossed edges: 0 where the frame does not say.
+/// Returns positions or images of the agents; components without a column are 0.
 std::vector<Vector> vectors_of(Frame const& frame, std::string const& x_name, std::string const& y_name) {
   std::vector<double> const x = numbers_or(frame, x_name, 0.0), y = numbers_or(frame, y_name, 0.0);
   std::vector<Vector> vectors;
@@ -31,7 +31,7 @@ std::vector<Vector> vectors_of(Frame const& frame, std::string const& x_name, st
   return vectors;
 }
 
-/// How far each agent has come since the first frame; nan for one that was not there.
+/// Returns the distance of each agent from its position in the first frame; NaN if it is not in that frame.
 std::vector<double> displacements(Frame const& first, Frame const& frame) {
   auto const then = vectors_of(first, "x", "y"), now = vectors_of(frame, "x", "y");
   auto const image_then = vectors_of(first, "image_x", "image_y"), image_now = vectors_of(frame, "image_x", "image_y");

@@ -8,23 +8,22 @@
 
 namespace gridlock {
 
-/// The colour of a frame where none was asked for: displacement for disks that count the edges they cross, the last
-/// column of whole numbers such as a species, the radius, the direction of motion, or one colour for all.
+/// Returns the default colour of a frame: displacement for disks with images, or else the last column of whole numbers
+/// such as a species, the radius, the direction of motion, or a single colour.
 std::string usual_colour(Frame const& frame);
 
-/// The quantities that agents of a frame can be coloured by: displacement (from the first frame), psi6, neighbourhood
-/// (the grid cell), radius, speed, direction (of the velocity or heading, in radians), and the columns.
+/// Returns the possible colours of agents in a frame: displacement (from the first frame), psi6, neighbourhood (the
+/// grid cell), radius, speed, direction (of the velocity or heading, in radians), and the columns.
 std::vector<std::string> colours_of(Frame const& frame);
 
-/// The number behind the colour of each agent; nan where it is not known. Contract: the colour is one of
-/// colours_of(frame), and no neighbourhood, which is a matter of cells; radius only where there is such a column.
+/// Returns the value that determines the colour of each agent; NaN if unknown. Contract: `colour` is one of
+/// colours_of(frame), but not neighbourhood, and radius only if the frame has that column.
 std::vector<double> colour_values(Frame const& first, Frame const& frame, std::string const& colour);
 
-/// The radius that agents without one are drawn with: a third of the distance to the next agent, but neither a dot that
-/// nobody sees nor a blot.
+/// Returns the radius for agents without one: a third of their mean spacing, within 0.15 % and 0.8 % of the box side.
 double mark_for(Frame const& frame);
 
-/// The agents of a frame as disks, row by row; their names are of no concern to a picture.
+/// Returns the agents of a frame as disks in the same order, with new Ids; `mark` is the radius of agents without one.
 State disks_of(Frame const& frame, double mark);
 
 }  // namespace gridlock

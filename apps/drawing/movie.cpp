@@ -24,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As the list of results names who makes movies.
+/// Name of this command in lists of results.
 constexpr char const* maker = "movie";
-/// Longer than any encoder takes for a frame.
+/// Time limit for ffmpeg to accept a frame or to end.
 constexpr std::chrono::minutes ffmpeg_timeout{10};
 
-/// The options of ffmpeg for a file of some extension.
+/// The options of ffmpeg for files with one extension.
 struct Format {
   std::string_view extension;
   std::string_view muxer;
@@ -38,7 +38,7 @@ struct Format {
 };
 
 std::vector<Format> const& formats() {
-  // Most players know H.264 with halved colours only, and that needs even sides.
+  // Most players support H.264 only with halved colour resolution, which requires even sides.
   static std::string const even = "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white";
   static std::vector<std::string> const h264{"-vf", even, "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"};
   static std::vector<Format> const known{
@@ -53,7 +53,7 @@ std::vector<Format> const& formats() {
   return known;
 }
 
-/// Errors: Error for an extension that is none of a movie, or a rate that such a file cannot have.
+/// Errors: Error if the extension is not one of a movie, or the file format does not allow the frame rate.
 Format const& format_of(MovieSettings const& settings) {
   std::string extension = settings.file.extension().string();
   std::ranges::transform(extension, extension.begin(),
@@ -89,7 +89,7 @@ void require_place(fs::path const& file) {
       .key = "--output"});
 }
 
-/// The last complaint of ffmpeg, without the address of the part of it that speaks and without its "failed!".
+/// Returns ffmpeg's last error message, without the address of a component and without "Conversion failed".
 std::string last_words(std::string_view errors) {
   std::string words = "it says no more";
   while (!errors.empty()) {
@@ -101,18 +101,18 @@ std::string last_words(std::string_view errors) {
   return words;
 }
 
-/// ffmpeg at work: it is given the frames, all of one size, and writes them into a file.
+/// Runs ffmpeg, which receives frames of equal size and writes them into a file.
 class Encoder {
  public:
   Encoder(PicturePixels const& first, MovieSettings const& settings, fs::path const& file)
       : process_(arguments(first, settings, fs::absolute(file)), fs::current_path(), ProcessInput::pipe) {}
 
-  /// Errors: as of finish().
+  /// Sends a frame to ffmpeg. Errors: those of finish().
   void add(PicturePixels const& frame) {
     if (!process_.write(frame.bytes, ffmpeg_timeout)) finish();
   }
 
-  /// Errors: Error where there is no ffmpeg, RunFailure where it fails.
+  /// Errors: Error if ffmpeg is not installed, RunFailure if it fails.
   void finish() {
     ProcessResult const result = process_.wait(ffmpeg_timeout);
     if (!result.was_found) {
@@ -149,7 +149,7 @@ class Encoder {
   ChildProcess process_;
 };
 
-/// A movie in the making.
+/// Makes a movie of a trajectory.
 class Movie {
  public:
   Movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress)
@@ -163,7 +163,7 @@ class Movie {
   }
 
   RunStatus make() {
-    // The same bar in all frames.
+    // A first pass finds the range of the colour bar, which must be the same in all frames.
     for (std::size_t n = 0; painter_.has_bar() && n < all_; ++n) {
       if (!should_continue(0)) return RunStatus::interrupted;
       painter_.widen_bar(frame(n));

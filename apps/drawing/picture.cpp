@@ -19,12 +19,12 @@ namespace gridlock {
 
 namespace {
 
-constexpr double reference_width = 720.0;  // the picture width the sizes below are meant for
+constexpr double reference_width = 720.0;  // width in pixels for which the sizes below are chosen
 constexpr std::uint32_t min_pixels = 16;
 constexpr std::uint32_t max_pixels = 16'384;
-constexpr double narrowest_cell = 4.0;  // pixels; the lines of a finer grid would hide the disks
+constexpr double narrowest_cell = 4.0;  // in pixels; lines of a finer grid would hide the disks
 constexpr std::size_t max_species_colours = 6;
-constexpr double tallest_picture = 2.0;  // height over width, where the box asks for more
+constexpr double tallest_picture = 2.0;  // maximum height over width, for tall boxes
 
 constexpr Colour white{1.0, 1.0, 1.0};
 constexpr Colour ink{0.13, 0.14, 0.16};
@@ -35,14 +35,14 @@ struct Scale {
   double min = 0.0;
   double max = 1.0;
 
-  /// 0 at the least, 1 at the most; in halves, so that no difference overflows.
+  /// Returns the position on the scale, 0 at min, 1 at max. Halves avoid an overflow of the differences.
   [[nodiscard]] double place_of(double value) const { return (0.5 * value - 0.5 * min) / (0.5 * max - 0.5 * min); }
 };
 
-/// Where everything is, in pixels.
+/// The positions of the parts of a picture, in pixels.
 struct Arrangement {
-  double unit = 1.0;    ///< one pixel of a picture of reference_width
-  double pixels = 1.0;  ///< per unit of length of the box
+  double unit = 1.0;    ///< pixels per pixel of a picture with reference_width
+  double pixels = 1.0;  ///< pixels per unit of length of the box
   double width = 0.0;
   double height = 0.0;
   PixelRectangle box;
@@ -53,21 +53,21 @@ bool has_bar(Colouring colouring) { return colouring == Colouring::values || col
 
 bool has_values(Colouring colouring) { return has_bar(colouring) || colouring == Colouring::kinds; }
 
-/// One entry of the legend.
+/// An entry of the legend.
 struct ColourName {
   Colour colour;
   std::string name;
 };
 
-constexpr double list_line = 22.0;  // units from one name of a list to the next
+constexpr double list_line = 22.0;  // distance between names of a list, in units
 
-/// Units a list of names takes at the right of the picture.
+/// Returns the width of a list of names at the right of the picture, in units.
 double list_width(std::vector<ColourName> const& names, std::string const& title) {
   constexpr double letter = 7.6;
   auto const letters = [](std::string const& text) {
     return static_cast<double>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
   };
-  double most = letters(title) - 3.0;  // the title has no square before it
+  double most = letters(title) - 3.0;  // titles have no coloured square before them
   for (ColourName const& name : names) most = std::max(most, letters(name.name));
   return std::min(52.0 + letter * most, 0.4 * reference_width);
 }
@@ -109,7 +109,7 @@ Arrangement arrange(Box const& box, PictureSettings const& settings, std::vector
   return a;
 }
 
-/// Which colour each disk has.
+/// Determines the colour of each disk.
 class DiskColours {
  public:
   DiskColours(State const& state, PictureSettings const& settings) : state_(state), settings_(settings) {
@@ -122,12 +122,12 @@ class DiskColours {
   }
 
   [[nodiscard]] Scale const& scale() const { return scale_; }
-  /// The colour at a place of the bar, from 0 to 1.
+  /// Returns the colour at a position on the bar, from 0 to 1.
   [[nodiscard]] Colour on_bar(double place) const {
     return settings_.colouring == Colouring::directions ? colour_circle(place) : viridis(place);
   }
 
-  /// The names of the colours, where they stand for single things.
+  /// Returns the entries of the legend: distinct radii, or kinds; none for other colourings.
   [[nodiscard]] std::vector<ColourName> names() const {
     std::vector<ColourName> names;
     if (settings_.colouring == Colouring::radius && radii_.size() > 1 && radii_.size() <= max_species_colours) {
@@ -182,7 +182,7 @@ class DiskColours {
     scale_ = widened({settings_.min.value_or(range.min), settings_.max.value_or(range.max)});
   }
 
-  /// A range wide enough to be told apart from a single number.
+  /// Returns a scale whose max is above min, also if all values are equal.
   static Scale widened(Scale scale) {
     double const size = std::max(std::abs(scale.min), std::abs(scale.max));
     if (!(scale.max - scale.min > 1e-6 * size)) scale.max = scale.min + std::max(1.0, std::abs(scale.min));
@@ -217,7 +217,7 @@ class DiskColours {
     return colours[static_cast<std::size_t>(colour)];
   }
 
-  /// The four colours of an even grid are those easiest to tell apart; the five others appear on odd periodic rings.
+  /// The first four colours, those of a grid with even numbers of cells, are the easiest to distinguish.
   static std::array<Colour, neighbourhood_colours> neighbourhood_palette() {
     auto const c = categorical_colours();
     Colour const blue = mixed(c[0], white, 0.25), orange = mixed(c[4], white, 0.15), green = mixed(c[2], white, 0.2);
@@ -260,7 +260,7 @@ class Picture {
 
   void draw_frame(Canvas& canvas) const {
     draw_grid(canvas);
-    // The line is outside the box, so that a disk at the wall is seen to touch and not to overlap it.
+    // The line lies outside the box, so that a disk at a wall visibly touches the line without an overlap.
     double const thickness = (state_.box.is_periodic() ? 1.2 : 4.0) * at_.unit;
     PixelRectangle const around{at_.box.x - 0.5 * thickness, at_.box.y - 0.5 * thickness, at_.box.width + thickness,
                                 at_.box.height + thickness};
@@ -274,7 +274,7 @@ class Picture {
     return {at_.box.x + p.x * at_.pixels, at_.box.y + at_.box.height - p.y * at_.pixels};
   }
 
-  /// Calls visit(centre) for every periodic image of disk i that reaches into the box.
+  /// Calls visit(centre) for every periodic image of disk i that overlaps the box.
   template <class Visit>
   void for_each_image(std::size_t i, Visit visit) const {
     Vector const p = position(state_.agents, i);
@@ -311,7 +311,7 @@ class Picture {
     constexpr int bands = 128;
     PixelRectangle const& bar = at_.bar;
     for (int i = 0; i < bands; ++i) {
-      // Each band reaches under the ones above it, or the seams would show between them.
+      // Each band extends to the bottom of the bar under the next bands, so that no seams are visible.
       double const below = bar.height * i / bands;
       canvas.fill({bar.x, bar.y, bar.width, bar.height - below}, colours_.on_bar((i + 0.5) / bands));
     }
@@ -332,14 +332,14 @@ class Picture {
       double const step = tick_step(scale);
       double const first = std::ceil(scale.min / step - 1e-9);
       for (double n = first; n * step <= scale.max + 1e-9 * step; ++n) {
-        draw_tick(scale.place_of(n * step), fmt::format("{:.6g}", n * step + 0.0));  // the sum turns −0 into 0
+        draw_tick(scale.place_of(n * step), fmt::format("{:.6g}", n * step + 0.0));  // + 0.0 turns −0 into 0
       }
     }
     canvas.text({bar.x + 74.0 * at_.unit, bar.y + 0.5 * bar.height}, settings_.bar_label,
                 {.size = 15.0 * at_.unit, .anchor = TextAnchor::middle, .is_upright = true, .colour = ink});
   }
 
-  /// The list of colours that stand for single things.
+  /// Draws the legend.
   void draw_names(Canvas& canvas) const {
     double const square = 13.0 * at_.unit;
     double const x = at_.box.x + at_.box.width + 16.0 * at_.unit;
@@ -356,7 +356,7 @@ class Picture {
     }
   }
 
-  /// 1, 2 or 5 times a power of ten, for about five ticks.
+  /// Returns the distance of ticks, 1, 2 or 5 times a power of ten, for about five ticks.
   static double tick_step(Scale const& scale) {
     double const rough = scale.max / 5.0 - scale.min / 5.0;
     double const power = std::pow(10.0, std::floor(std::log10(rough)));

@@ -25,7 +25,7 @@ using Instant = std::chrono::steady_clock::time_point;
 
 constexpr std::size_t max_errors = std::size_t{64} * 1024;
 
-/// Throws unless a POSIX call that returns its error number succeeded.
+/// Throws RunFailure if a POSIX error number is not 0.
 void require(int error_number, std::string const& program) {
   if (error_number == 0) return;
   throw RunFailure(fmt::format("{} could not be started: {}", program, std::generic_category().message(error_number)));
@@ -36,7 +36,7 @@ struct Ends {
   Descriptor theirs;
 };
 
-/// For its input a socket, because a write to a closed one can be told not to raise SIGPIPE.
+/// Returns a socket for the input of a program, since writing to a closed socket can avoid the signal SIGPIPE.
 Ends input_of(std::string const& program) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) require(errno, program);
@@ -49,10 +49,10 @@ Ends pipe_of(std::string const& program) {
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-/// The arguments that a process needs to become the program.
+/// The data by which a child process becomes the program.
 struct ProgramStart {
   char const* directory;
-  int input;  ///< negative: nothing to read
+  int input;  ///< negative: no input
   int errors;
   char* const* words;
   pid_t parent;
@@ -67,7 +67,7 @@ bool open_nothing(int flags, int place) {
   return nothing >= 0 && move_to(nothing, place);
 }
 
-/// Signals ignored or blocked here, as a program waiting for Ctrl-C may have them, are not for the child.
+/// Resets signals that this process ignores or blocks, such as Ctrl-C, since the child would inherit that.
 void reset_signals() {
   struct sigaction usual {};
   usual.sa_handler = SIG_DFL;
@@ -77,12 +77,12 @@ void reset_signals() {
   sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// Runs in the child between fork and exec; returns only where exec fails. Other threads may have held locks at the
-/// fork, that of malloc too: nothing is called here that takes one.
+/// Runs in the child between fork and exec; returns only if exec fails. Other threads may have held locks at the fork,
+/// also that of malloc, so no function is called that takes a lock.
 void become_program(ProgramStart const& start) {
-  // Without this the program would outlive a parent that is killed, and finish its file with half of its input.
+  // The program must end with a killed parent; otherwise it would complete its file from half of the input.
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return;
-  if (getppid() != start.parent) _exit(1);  // killed before that
+  if (getppid() != start.parent) _exit(1);  // the parent was killed before prctl()
   bool const is_ready = setpgid(0, 0) == 0 && chdir(start.directory) == 0 &&
                         (start.input < 0 ? open_nothing(O_RDONLY, STDIN_FILENO) : move_to(start.input, STDIN_FILENO)) &&
                         open_nothing(O_WRONLY, STDOUT_FILENO) && move_to(start.errors, STDERR_FILENO);
@@ -91,9 +91,9 @@ void become_program(ProgramStart const& start) {
   execvp(start.words[0], start.words);
 }
 
-/// Begins the program; returns the error number where that fails, 0 otherwise.
+/// Starts the program; returns 0 or the error number.
 int begin(ProgramStart const& start, pid_t& child, std::string const& program) {
-  // The end that the child holds closes when it becomes the program: then nothing comes out of the other one.
+  // exec closes the child's end of this pipe, so reading nothing means that exec succeeded.
   Ends failures = pipe_of(program);
   child = fork();
   if (child < 0) return errno;
@@ -113,13 +113,13 @@ int begin(ProgramStart const& start, pid_t& child, std::string const& program) {
   return failure;
 }
 
-/// Milliseconds for poll() to wait, never so long that a clock set back would matter; 0 at the deadline.
+/// Returns the milliseconds for poll() to wait, at most 1000 so that the deadline is checked again; 0 at the deadline.
 int milliseconds_until(Instant deadline) {
   auto const left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
   return static_cast<int>(std::clamp<decltype(left)>(left, 0, 1000));
 }
 
-/// Waits for the end of the child; false when the deadline passed first.
+/// Waits for the end of the child; returns false if the deadline passes first.
 bool wait_for(pid_t child, Instant deadline, bool& succeeded) {
   while (true) {
     int status = 0;
@@ -128,7 +128,7 @@ bool wait_for(pid_t child, Instant deadline, bool& succeeded) {
       succeeded = WIFEXITED(status) && WEXITSTATUS(status) == 0;
       return true;
     }
-    if (ended < 0 && errno != EINTR) return true;  // somebody else collected it: its status is lost, not good
+    if (ended < 0 && errno != EINTR) return true;  // other code collected the status, so success is unknown
     if (std::chrono::steady_clock::now() >= deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -139,7 +139,7 @@ bool wait_for(pid_t child, Instant deadline, bool& succeeded) {
 ChildProcess::ChildProcess(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
                            ProcessInput input) {
   std::string const& program = arguments.front();
-  // Said here, since below a missing directory and a missing program are the same error.
+  // A missing directory is reported here, since exec gives the same error for it as for a missing program.
   if (!std::filesystem::is_directory(directory)) {
     throw RunFailure(fmt::format("{} could not be started: there is no directory {}", program, directory.string()));
   }
@@ -156,7 +156,7 @@ ChildProcess::ChildProcess(std::vector<std::string> const& arguments, std::files
                            .words = words.data(),
                            .parent = getpid()};
   int const failure = begin(start, id_, program);
-  // An unreadable directory in PATH makes a missing program look like a forbidden one.
+  // exec reports EACCES for a missing program if PATH has an unreadable directory.
   result_.was_found = failure != ENOENT && failure != EACCES;
   if (failure != 0) id_ = -1;
   if (result_.was_found) require(failure, program);
@@ -175,7 +175,7 @@ void ChildProcess::kill_group() {
   id_ = -1;
 }
 
-/// Takes what has come of its standard error, and closes that at its end.
+/// Reads available bytes of standard error, and closes it at its end.
 void ChildProcess::read_errors() {
   std::array<char, 4096> buffer;
   ssize_t const length = read(errors_.number(), buffer.data(), buffer.size());
@@ -192,7 +192,7 @@ bool ChildProcess::write(std::string_view bytes, std::chrono::milliseconds time_
     if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
     if (sent >= 0 || errno == EINTR) continue;
     if (errno != EAGAIN || std::chrono::steady_clock::now() >= deadline) return false;
-    // It may be waiting for somebody to read what it complains about.
+    // The program may wait until its standard error is read.
     std::array<pollfd, 2> waiting{pollfd{.fd = input_.number(), .events = POLLOUT, .revents = 0},
                                   pollfd{.fd = errors_.number(), .events = POLLIN, .revents = 0}};
     poll(waiting.data(), waiting.size(), milliseconds_until(deadline));

@@ -12,26 +12,26 @@
 
 namespace gridlock {
 
-/// How a process ended.
+/// The outcome of a process.
 struct ProcessResult {
-  bool was_found = true;   ///< whether there is such a program
-  bool timed_out = false;  ///< whether it was ended at the time limit
-  bool succeeded = false;  ///< whether it exited with status 0
-  std::string errors;      ///< the first 64 KiB of what it wrote to its standard error
+  bool was_found = true;   ///< whether the program exists
+  bool timed_out = false;  ///< whether the process was killed at the time limit
+  bool succeeded = false;  ///< whether the process exited with status 0
+  std::string errors;      ///< first 64 KiB of standard error
 };
 
 /// The standard input of a process.
 enum class ProcessInput {
   nothing,
-  pipe,  ///< what write() gives it
+  pipe,  ///< the bytes given to write()
 };
 
-/// A program at work, found through PATH and started without a shell, in the given directory and in a process group of
-/// its own, so that a Ctrl-C meant for this program does not interrupt it.
+/// Runs a program that is found through PATH, without a shell, in a directory and in a process group of its own, so
+/// that a Ctrl-C for this program does not interrupt it.
 ///
-/// Its standard output is thrown away. Where it still runs at the end of the object, its whole group is killed; the
-/// program itself is killed too when the thread that began it ends, by a kill of this process or otherwise.
-/// Errors: RunFailure where the system refuses a pipe or a process.
+/// Standard output is discarded. The destructor kills the whole group if it still runs; the system kills the program
+/// when the thread that started it ends, for example by a kill of this process. Errors: RunFailure if the system
+/// refuses a pipe or a process.
 class ChildProcess {
  public:
   ChildProcess(std::vector<std::string> const& arguments, std::filesystem::path const& directory, ProcessInput input);
@@ -39,23 +39,23 @@ class ChildProcess {
   ChildProcess(ChildProcess const&) = delete;
   ChildProcess& operator=(ChildProcess const&) = delete;
 
-  /// Gives it the bytes; false where it stopped reading, or has not read them all within the time limit.
+  /// Writes bytes to standard input; returns false if the program stops reading or the time limit passes first.
   [[nodiscard]] bool write(std::string_view bytes, std::chrono::milliseconds time_limit);
 
-  /// Ends its input and waits for its end. At the time limit the whole group is killed.
+  /// Closes standard input and waits for the end of the program. At the time limit the whole group is killed.
   ProcessResult wait(std::chrono::milliseconds time_limit);
 
  private:
   void read_errors();
   void kill_group();
 
-  Descriptor input_;   ///< where write() writes
-  Descriptor errors_;  ///< where its standard error comes out
-  pid_t id_ = -1;      ///< -1: never begun, or ended
+  Descriptor input_;   ///< our end of standard input
+  Descriptor errors_;  ///< our end of standard error
+  pid_t id_ = -1;      ///< process id; -1 if not started or ended
   ProcessResult result_;
 };
 
-/// Runs a program to its end, as ChildProcess does, with an empty standard input.
+/// Runs a program to its end by a ChildProcess with empty standard input.
 ProcessResult run_process(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
                           std::chrono::milliseconds time_limit);
 

@@ -19,7 +19,7 @@
 
 namespace {
 
-/// Says what ends a rank in the middle of a run, also where it is silent otherwise.
+/// Prints why a rank ends during a run, also on ranks whose standard error is switched off.
 class LastWords {
  public:
   LastWords() : standard_error_(dup(STDERR_FILENO)) {}
@@ -34,8 +34,8 @@ class LastWords {
   int standard_error_;
 };
 
-/// Has columns go back to the system where they are freed. Agents are copied between ranks again and again; an
-/// allocator that keeps what is freed for other sizes holds up to twice of what they need.
+/// Makes malloc return freed columns to the system. Agents are copied between ranks repeatedly, and a malloc that keeps
+/// freed memory of other sizes would hold up to twice the memory in use.
 void return_large_memory() {
 #if defined(__GLIBC__)
   constexpr int bytes = 1 << 21;
@@ -43,7 +43,7 @@ void return_large_memory() {
 #endif
 }
 
-/// Rank 0 speaks for all.
+/// Switches off standard output and error on ranks other than 0.
 void be_silent() {
   for (std::FILE* const stream : {stdout, stderr}) {
     if (std::freopen("/dev/null", "w", stream) == nullptr) std::fclose(stream);
@@ -53,12 +53,12 @@ void be_silent() {
 }  // namespace
 
 int gridlock::mpi_command_line(int argc, char** argv) {
-  // A rank that a signal ends while MPI begins would leave mpirun waiting.
+  // A signal must not end a rank during MPI_Init, since mpirun would then wait for ever.
   gridlock::cli::StopSignals::keep_until_begun();
   gridlock::cli::set_program_name_of(argc, argv);
   if (std::optional<int> const exit_code = gridlock::mpi::watch_rank()) return *exit_code;
   return_large_memory();
-  // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
+  // Beside the main thread, threads that carry out runs on several ranks call MPI too.
   int granted = 0;
   if (MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &granted) != MPI_SUCCESS) return EXIT_FAILURE;
   int exit_code = EXIT_FAILURE;
@@ -76,10 +76,10 @@ int gridlock::mpi_command_line(int argc, char** argv) {
          .set_processes_of_run = [&](std::size_t count) { crew.set_processes_of_run(count); },
          .has_threads_that_send = granted == MPI_THREAD_MULTIPLE},
         failure);
-    // Others wait for a rank that has failed: to begin, or for its part of the work.
+    // Other ranks wait in meet() for a rank that has failed before it.
     if (!failure.empty() && !crew.has_met()) crew.meet(0, failure);
     if (crew.is_working()) MPI_Abort(MPI_COMM_WORLD, exit_code);
-    // mpirun ends with the first code that is not 0, which is to be that of the rank that speaks.
+    // mpirun returns the first exit code other than 0, so only rank 0, which prints, returns its code.
     if (!crew.leads()) exit_code = EXIT_SUCCESS;
   }
   MPI_Finalize();

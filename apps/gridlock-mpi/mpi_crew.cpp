@@ -21,13 +21,13 @@ namespace gridlock::mpi {
 
 namespace {
 
-/// What a message says; the first five go to the leader.
+/// The kind of a message; ready to leaves go to the leader.
 enum Tag : int {
-  ready,    // a rank makes runs, and how many at a time
-  outcome,  // a run has ended: its number, and how
-  share,    // how far a run is
+  ready,    // a rank can carry out runs; content: how many at a time
+  outcome,  // a run has ended; content: its index and encoded outcome
+  share,    // content: a run's index and the fraction that is done
   asks_to_stop,
-  leaves,  // the last message of a rank
+  leaves,  // last message of a rank
   job,
   stop,
   release,  // no further run comes
@@ -35,7 +35,7 @@ enum Tag : int {
 
 using namespace std::chrono_literals;
 
-/// Ranks wait asleep: a processor that asks without pause would be lost to the runs of others.
+/// Pause between looks for messages; a rank that looks without a pause would take a core from the runs.
 constexpr auto nap = 2ms;
 constexpr auto between_reports = 500ms;
 constexpr std::size_t longest_failure = 2000;
@@ -47,21 +47,21 @@ void wait_asleep(MPI_Request& request) {
   }
 }
 
-/// How a rank comes to the meeting.
+/// The data that a rank sends to the leader in meet().
 struct Arrival {
   std::uint64_t plan_hash = 0;
   std::uint64_t processes_of_run = 1;
-  std::array<char, longest_failure> failure{};  // empty: it is ready
+  std::array<char, longest_failure> failure{};  // empty if the rank is ready
 };
 
-/// What becomes of the meeting.
+/// The decision of the leader in meet(), which all ranks receive.
 struct Verdict {
   enum Kind : std::uint64_t { all_are_ready, cannot_take_part, is_of_another_plan };
   Kind kind = all_are_ready;
   std::array<char, longest_failure> text{};
 };
 
-/// Of the leader, who has arrived as `own`.
+/// Returns the decision of the leader, whose own data are `own`.
 Verdict judge(std::vector<Arrival> const& all, Arrival const& own) {
   Verdict verdict;
   std::string text;
@@ -101,7 +101,7 @@ struct Message {
   }
 };
 
-/// A message that has come, from any rank.
+/// Returns a message that has arrived from any rank; nothing if there is none.
 std::optional<Message> receive() {
   int has_come = 0;
   MPI_Status status;
@@ -116,7 +116,7 @@ std::optional<Message> receive() {
   return message;
 }
 
-/// Says now and then that it is time.
+/// Limits reports to one per between_reports.
 class Clock {
  public:
   bool is_due() {
@@ -130,7 +130,7 @@ class Clock {
   std::chrono::steady_clock::time_point next_;
 };
 
-/// The leader at work.
+/// The loop of the leader, which assigns runs and receives outcomes.
 class Leading {
  public:
   Leading(CrewLead const& lead, Slots& slots, std::function<bool()> const& is_stop_asked, std::vector<int> others)
@@ -155,7 +155,7 @@ class Leading {
       if (!has_news) std::this_thread::sleep_for(nap);
     }
     for (int const rank : others_) send(rank, release, nullptr, 0);
-    // What they have said before they heard of it.
+    // Messages that ranks sent before the release are received and ignored.
     for (std::size_t left = 0; left < others_.size();) {
       auto const message = receive();
       if (!message) std::this_thread::sleep_for(nap);
@@ -194,7 +194,7 @@ class Leading {
     free_.push_back(rank);
   }
 
-  /// Also where nothing moves a stop is seen.
+  /// Reports the runs of this rank and checks for a stop, even if no messages arrive.
   void report_own() {
     for (Slots::Share const& share : slots_.shares()) note(lead_.report(share.run, share.share));
     note(!is_stop_asked_());
@@ -229,9 +229,9 @@ class Leading {
   CrewLead const& lead_;
   Slots& slots_;
   std::function<bool()> const& is_stop_asked_;
-  std::vector<int> others_;  // that make runs
+  std::vector<int> others_;  // ranks other than 0 that carry out runs
   Clock clock_;
-  std::deque<int> free_;  // the rank of each slot that makes no run, the one that has waited longest first
+  std::deque<int> free_;  // the rank of each free slot, in order of waiting
   std::size_t working_ = 0;
   bool is_stopping_ = false;
   bool has_none_left_ = false;
@@ -266,7 +266,7 @@ void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
   if (leads()) verdict = judge(all, own);
   MPI_Ibcast(&verdict, sizeof verdict, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
   wait_asleep(request);
-  // Who has failed knows it.
+  // The rank that failed reports its own error.
   if (verdict.kind == Verdict::cannot_take_part && failure.empty()) throw RunFailure(verdict.text.data());
   if (verdict.kind == Verdict::is_of_another_plan) {
     throw Error({.what = verdict.text.data(), .hint = "all ranks must see the same files and options"});
@@ -284,7 +284,7 @@ void MpiCrew::form_groups() {
 
 void MpiCrew::part() { is_working_ = false; }
 
-/// The ranks that share the runs of this one make each of them with it.
+/// Returns a function that carries out a run together with the other ranks of this rank's group.
 MakeRun MpiCrew::with_group(MakeRun const& make) {
   return [this, make](CrewJob const& job, ReportShare const& report) {
     static_cast<void>(processes().of_root(std::optional(job)));
@@ -292,7 +292,7 @@ MakeRun MpiCrew::with_group(MakeRun const& make) {
   };
 }
 
-/// Makes the runs of the first rank of the group with it, until there are no more.
+/// Carries out the runs that the first rank of the group announces, until there are no more.
 void MpiCrew::follow_group(MakeRun const& make) {
   while (auto const job = processes().of_root(std::optional<CrewJob>())) {
     static_cast<void>(make(*job, [](double) { return true; }));

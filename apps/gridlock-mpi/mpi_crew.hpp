@@ -12,22 +12,22 @@
 
 namespace gridlock::mpi {
 
-/// The ranks of MPI_COMM_WORLD; rank 0 leads. Groups of them may share runs: the first of a group is handed a run, and
-/// all of them make it.
+/// The ranks of MPI_COMM_WORLD; rank 0 is the leader. Groups of ranks may share runs: the leader assigns a run to the
+/// first rank of a group, and all its ranks carry out the run together.
 ///
-///     ranks of a run: 3      0 1 2 │ 3 4 5 │ 6 7       0, 3 and 6 make runs
+///     ranks of a run: 3      0 1 2 │ 3 4 5 │ 6 7       0, 3 and 6 are first ranks
 ///
-/// One thread of each rank takes orders; only threads that make runs with others call MPI beside it.
+/// One thread of each rank exchanges messages with the leader; other threads call MPI only for runs on several ranks.
 class MpiCrew final : public SweepCrew {
  public:
-  /// `hooks.is_stop_asked` is called a few hundred times a second; where one rank is asked to stop, all stop.
+  /// `hooks.is_stop_asked` is called a few hundred times a second; a request to stop on one rank stops all ranks.
   explicit MpiCrew(RanksHooks hooks);
 
-  /// Runs at a time in each rank, before lead() or help().
+  /// Sets the number of simultaneous runs in each rank. Must precede lead() or help().
   void set_runs_at_a_time(std::size_t count) { runs_at_a_time_ = count; }
-  /// Before meet().
+  /// Sets the number of ranks of a run. Must precede meet().
   void set_processes_of_run(std::size_t count);
-  /// Whether other ranks wait for this one.
+  /// Returns whether other ranks wait for this rank.
   [[nodiscard]] bool is_working() const { return is_working_; }
   [[nodiscard]] bool has_met() const { return has_met_; }
 

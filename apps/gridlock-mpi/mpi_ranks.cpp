@@ -14,18 +14,18 @@ namespace gridlock::mpi {
 
 namespace {
 
-/// A message has two parts, each with a tag of its own; a short one has no second part.
+/// A message has two parts, each with its own tag; a short message has only the first part.
 constexpr int tag = 0;
 constexpr int tag_of_rest = 1;
-/// A receive of so many bytes is posted before anybody sends: what comes needs neither a look for its length nor
-/// another copy, and travels while this rank computes.
+/// Maximum size of the first part. A receive of this size is posted before the message is sent, so that the part
+/// arrives during computation, without a query of its length and without another copy.
 constexpr std::size_t bytes_of_first_part = std::size_t{1} << 15;
 
-/// Room that a rank has for messages that nobody has received yet.
+/// Maximum size of messages that were sent and not yet received, in bytes.
 constexpr std::size_t max_bytes_sending = std::size_t{1} << 26;
 
-/// A few microseconds at full speed, then between other processes of this core, and in the end asleep: a rank that
-/// waits for a file to be written, or shares its core, takes nobody's time.
+/// Waits between tests: at first without a pause, then by yielding the core, and after some milliseconds asleep. A rank
+/// that waits long, for example for a file, thus leaves the core to other processes.
 class Patience {
  public:
   void wait() {
@@ -131,7 +131,7 @@ void MpiRanks::post_receive(std::size_t from) {
             tag, ranks_communicator_, &receiving_[from].request);
 }
 
-/// Returns its bytes.
+/// Waits for the first part of a message; returns its size in bytes.
 std::size_t MpiRanks::wait_for_first_part(MPI_Request& request) const {
   MPI_Status status;
   if (hooks_.waits_in_mpi) {
@@ -148,7 +148,7 @@ std::size_t MpiRanks::wait_for_first_part(MPI_Request& request) const {
   return static_cast<std::size_t>(bytes);
 }
 
-/// What follows the first part, which has been sent with it.
+/// Receives the second part, which was sent together with the first.
 void MpiRanks::receive_rest(std::size_t from, Message& message) const {
   auto const source = static_cast<int>(from);
   MPI_Status status;
@@ -163,7 +163,7 @@ void MpiRanks::receive_rest(std::size_t from, Message& message) const {
 void MpiRanks::abandon(std::string const& why) {
   hooks_.complain(why);
   MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
-  std::abort();  // MPI_Abort does not say that it never returns
+  std::abort();  // MPI_Abort is not declared [[noreturn]]
 }
 
 }  // namespace gridlock::mpi

@@ -13,17 +13,17 @@
 
 namespace gridlock::mpi {
 
-/// How the ranks of a run hear of the world around them, and how they wait for each other.
+/// Functions of the program that ranks call, and how ranks wait for messages.
 struct RanksHooks {
-  std::function<bool()> is_stop_asked;               ///< this process
-  std::function<void()> ask_to_stop;                 ///< as if it had been asked
-  std::function<void(std::string const&)> complain;  ///< says why all ranks end
-  // For a simulator of clusters:
-  bool waits_in_mpi = false;                                            ///< at full speed
-  std::function<void(std::uint64_t turns, std::size_t bytes)> on_work;  ///< that were taken, sent or received
+  std::function<bool()> is_stop_asked;               ///< whether this process was asked to stop
+  std::function<void()> ask_to_stop;                 ///< requests a stop of this process
+  std::function<void(std::string const&)> complain;  ///< prints why all ranks end
+  // The next two serve a simulator of clusters:
+  bool waits_in_mpi = false;                                            ///< waits in MPI_Wait, without pauses
+  std::function<void(std::uint64_t turns, std::size_t bytes)> on_work;  ///< gets turns done and bytes sent or received
 };
 
-/// The ranks of a communicator, for runs that they share. Messages have a communicator of their own.
+/// The ranks of a communicator, which share runs. They exchange messages in a duplicate of the communicator.
 class MpiRanks final : public Communicator {
  public:
   MpiRanks(MPI_Comm communicator, std::size_t count_on_machine, RanksHooks hooks);
@@ -44,10 +44,10 @@ class MpiRanks final : public Communicator {
  private:
   struct Sending {
     MPI_Request request;
-    Message message;  ///< none where another part of it follows
+    Message message;  ///< empty if a second part follows
   };
   struct Receiving {
-    std::unique_ptr<std::byte[]> first_part;  ///< of the next message; none for a rank that has sent nothing yet
+    std::unique_ptr<std::byte[]> first_part;  ///< buffer of the next message; null before the first message of a rank
     MPI_Request request = MPI_REQUEST_NULL;
   };
 
@@ -64,9 +64,9 @@ class MpiRanks final : public Communicator {
   std::size_t count_ = 1;
   std::size_t count_on_machine_;
   RanksHooks hooks_;
-  std::deque<Sending> sending_;  ///< what may not have left yet, the oldest first
+  std::deque<Sending> sending_;  ///< messages that may not have been sent completely, in order
   std::size_t bytes_sending_ = 0;
-  std::vector<Receiving> receiving_;  ///< by rank
+  std::vector<Receiving> receiving_;  ///< one for each rank
   Traffic traffic_;
 };
 

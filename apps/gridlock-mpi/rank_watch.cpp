@@ -23,20 +23,20 @@ namespace gridlock::mpi {
 
 namespace {
 
-/// What a launcher says of a process, by the first of these names that it knows; −1 where it says nothing.
+/// Returns the number in the first environment variable of the launcher that exists; −1 if there is none.
 long number_of_launcher(std::initializer_list<char const*> names) {
   for (char const* const name : names) {
     if (char const* const text = std::getenv(name)) return std::strtol(text, nullptr, 10);
   }
   return -1;
 }
-/// Of Open MPI, of launchers for others (MPICH and those like it), and of Slurm.
+/// The variables of Open MPI, of PMI launchers (MPICH and relatives), and of Slurm.
 long ranks_of_launcher() { return number_of_launcher({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}); }
 long rank_of_launcher() { return number_of_launcher({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"}); }
 
 constexpr std::array to_hand_on{SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2};
 
-/// Stays with its parent. Where that has ended already, so does this process.
+/// Ends this process when its parent ends, also if that has ended already.
 void end_with(pid_t parent) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -44,7 +44,7 @@ void end_with(pid_t parent) {
   if (getppid() != parent) _exit(EXIT_FAILURE);
 }
 
-/// In lists of processes, where both have the same command line.
+/// Sets the name of this process in lists, where the rank and its watcher have the same command line.
 void call_this_process([[maybe_unused]] char const* name) {
 #ifdef __linux__
   prctl(PR_SET_NAME, name);
@@ -57,7 +57,7 @@ void tell_of_end_by(int signal) {
                                             strsignal(signal), reason));
 }
 
-/// Waits for the end of the rank.
+/// Waits for the end of the rank, and passes signals on to it. Returns the exit code.
 int exit_code_of(pid_t rank, sigset_t const& signals) {
   sigset_t handed_on;
   sigemptyset(&handed_on);
@@ -70,10 +70,10 @@ int exit_code_of(pid_t rank, sigset_t const& signals) {
       continue;
     }
     int status = 0;
-    // It may have been stopped or continued.
+    // SIGCHLD also arrives when the rank is stopped or continued.
     if (waitpid(rank, &status, WNOHANG) != rank) continue;
     if (WIFEXITED(status)) return WEXITSTATUS(status);
-    // Launchers end the ranks that are left when one has failed.
+    // No message is needed for a signal that was passed on: launchers end all ranks after one has failed.
     if (sigismember(&handed_on, WTERMSIG(status)) == 0) tell_of_end_by(WTERMSIG(status));
     return EXIT_FAILURE;
   }
@@ -87,9 +87,9 @@ std::optional<int> watch_rank() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGCHLD);
   for (int const signal : to_hand_on) sigaddset(&signals, signal);
-  // Whoever has started this process may have had it ignored.
+  // The parent process may have set SIGCHLD to be ignored, which would hide the end of the rank.
   std::signal(SIGCHLD, SIG_DFL);
-  // Held until somebody waits for them: none that comes meanwhile is lost.
+  // Signals are blocked until sigwait(), so that none is lost.
   sigprocmask(SIG_BLOCK, &signals, &before);
   pid_t const parent = getpid();
   pid_t const rank = fork();
@@ -97,7 +97,7 @@ std::optional<int> watch_rank() {
     call_this_process("watch-rank");
     return exit_code_of(rank, signals);
   }
-  // Without a second process, this one is the rank.
+  // If fork() fails, this process becomes the rank without a watcher.
   if (rank == 0) end_with(parent);
   sigprocmask(SIG_SETMASK, &before, nullptr);
   return std::nullopt;

@@ -5,16 +5,15 @@
 
 namespace gridlock::mpi {
 
-/// Goes on in a child process, which becomes the rank, where a launcher such as mpirun has started several. The process
-/// that the launcher knows stays behind and watches it, so that the launcher gets an exit code that says what happened,
-/// also of a rank that is killed.
+/// Forks if a launcher such as mpirun has started several ranks: the child becomes the rank, and this process watches
+/// it. The launcher thus gets a meaningful exit code even if a rank is killed.
 ///
-/// Returns nothing in the rank; in the watching process, once the rank has ended, the exit code: that of the rank, or 1
-/// with a message where a signal has ended it. Signals that ask to stop go on to the rank. A rank does not outlive the
-/// process that watches it (Linux). To be called before there are threads, and before MPI begins.
+/// Returns nothing in the rank. In the watching process it returns the exit code of the rank when that ends, or prints
+/// a message and returns 1 if a signal ended it. Signals that request a stop are passed on to the rank. The rank ends
+/// with its watcher (Linux). Must be called before threads exist and before MPI_Init.
 [[nodiscard]] std::optional<int> watch_rank();
 
-/// Writes why a rank ends all, and what continues a run or a sweep, to an open file.
+/// Writes to a file descriptor why a rank ends all ranks, and how to continue the run or sweep.
 void say_last_words(int file, std::string const& what);
 
 }  // namespace gridlock::mpi

@@ -16,7 +16,7 @@
 
 namespace gridlock::mpi {
 
-/// Threads that make runs, so that the thread that talks to the other processes has time for them.
+/// Threads that carry out runs, so that the main thread can exchange messages with other ranks meanwhile.
 class Slots {
  public:
   struct Done {
@@ -29,18 +29,18 @@ class Slots {
   };
 
   Slots(std::size_t count, MakeRun make);
-  /// Waits for the runs that are being made.
+  /// Waits for the end of current runs.
   ~Slots();
   Slots(Slots const&) = delete;
   Slots& operator=(Slots const&) = delete;
 
   [[nodiscard]] std::size_t count() const { return threads_.size(); }
   void give(CrewJob const& job);
-  /// A run that has ended and that nobody has asked for yet.
+  /// Returns a run that has ended, once for each run; nothing if there is none.
   std::optional<Done> take_done();
-  /// How far the runs are that are being made.
+  /// Returns the finished fractions of current runs.
   [[nodiscard]] std::vector<Share> shares();
-  /// Runs stop after their present chunk.
+  /// Makes runs stop after their current chunk.
   void stop() { is_stopped_ = true; }
 
  private:
