@@ -13,7 +13,7 @@ namespace gridlock::view {
 
 namespace {
 
-/// On a terminal alone xdg-open starts a browser for terminals, in the middle of what is printed here.
+/// Returns whether a desktop is running. Without one, xdg-open would start a text browser within this program's output.
 bool has_desktop() {
   return std::ranges::any_of(std::array{"DISPLAY", "WAYLAND_DISPLAY"}, [](char const* name) {
     char const* const value = std::getenv(name);
@@ -21,7 +21,7 @@ bool has_desktop() {
   });
 }
 
-/// In the child of a child, so that no process has to wait for it, apart from this program's signals and output.
+/// Forks again, so that the browser needs no waiting parent, and cuts it off from signals and output of this program.
 [[noreturn]] void become_browser(char const* address) {
   setsid();
   if (fork() != 0) _exit(0);

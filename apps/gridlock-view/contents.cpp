@@ -48,7 +48,7 @@ bool is_there(fs::path const& path) {
   return fs::exists(path, ignored);
 }
 
-/// A directory that is no link to another one, whose names are nobody's business here.
+/// Returns whether a path is a directory and no link, since a link could lead out of the served directory.
 bool is_own_directory(fs::path const& path) {
   std::error_code ignored;
   return fs::is_directory(fs::symlink_status(path, ignored));
@@ -59,12 +59,12 @@ bool holds_run(fs::path const& directory) {
                              [&](char const* name) { return is_there(directory / name); });
 }
 
-/// By its first bytes: other programs have other names for it.
+/// Returns whether a file is in HDF5 by its first bytes, since other programs use other extensions for trajectories.
 bool is_trajectory(fs::path const& file) {
   auto const format = recognize_format(file);
   return format && format->id == "hdf5";
 }
-/// A page reads no packed files.
+/// Returns whether a file is XYZ text that is not packed, since the page cannot unpack files.
 bool is_xyz(fs::path const& file) { return file.extension() != ".gz" && has_xyz_ending(file); }
 
 Kind kind_of(fs::path const& path) {
@@ -90,7 +90,7 @@ Kind kind_of(fs::path const& path) {
                .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});
 }
 
-/// Whether a path without links lies in a directory without links, or is it.
+/// Returns whether a path is equal to a directory or inside it. Both must be free of links.
 bool is_inside(fs::path const& path, fs::path const& directory) {
   auto const [rest, end] = std::mismatch(directory.begin(), directory.end(), path.begin(), path.end());
   return rest == directory.end();
@@ -119,7 +119,7 @@ std::vector<std::string> Contents::runs() const {
 
 std::optional<ShownRun> Contents::run(std::string const& id) const {
   if (kind_ == Kind::sweep) {
-    // A name is one component of a path, never a way to another place.
+    // An id must be one component of a path, so that it cannot lead to another directory.
     bool const is_component =
         !id.empty() && !id.starts_with('.') && id.find('/') == std::string::npos && id.find('\0') == std::string::npos;
     fs::path const directory = root_ / "runs" / id;

@@ -28,7 +28,7 @@ static_assert(std::endian::native == std::endian::little, "columns are sent as t
 
 constexpr std::size_t max_open = 4;
 
-/// JSON knows no nan: what was not measured is null.
+/// Returns a number, or null for NaN, which JSON lacks.
 Json number_or_null(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
 struct TypeName {
@@ -48,7 +48,7 @@ std::span<char const> bytes_of(FrameValues const& values) {
 
 void fill_up(std::string& bytes, char filling) { bytes.append((8 - bytes.size() % 8) % 8, filling); }
 
-/// The columns of a frame that are sent, the Ids first.
+/// Returns the requested columns of a frame after a column of Ids; all columns if `wanted` is empty.
 std::vector<FrameColumn> chosen_columns(Frame& frame, std::vector<std::string> const& wanted) {
   std::vector<FrameColumn> columns{{.name = "id", .values = std::move(frame.ids)}};
   for (FrameColumn& column : frame.columns) {

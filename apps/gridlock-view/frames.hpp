@@ -11,24 +11,22 @@
 
 namespace gridlock::view {
 
-/// Frames of trajectories for the page, read by the library: also while a run writes them, each checked by its
-/// checksum.
+/// Reads frames of trajectories for the page, also while a run writes them. Each frame is verified by its checksum.
 ///
-/// HDF5 serves one thread at a time, so all calls wait for one another. Errors: Error for what H5mdReader refuses.
+/// Calls wait for each other, since HDF5 serves one thread at a time. Errors: Error for files that H5mdReader refuses.
 class FrameStore {
  public:
-  /// The contents of a trajectory, as JSON: agents, columns, observables, the number of frames, and from frame `first`
-  /// on the step and time of each and the value of each observable.
+  /// Returns a description of a trajectory in JSON: agents, columns, observables, the number of frames, and from frame
+  /// `first` on the step, time and observables of each frame.
   std::string describe(std::filesystem::path const& file, std::size_t first);
 
-  /// Frame k as bytes: the length of the JSON that follows, 4 bytes; JSON with the clock, the box and where each column
-  /// begins and of what type it is; the columns, little-endian, each at a multiple of 8 bytes behind the JSON. All
-  /// columns where none is named; columns that it does not have are left out.
-  /// Errors: Error for k out of range.
+  /// Returns frame k as bytes: the length of the JSON, 4 bytes; JSON with clock, box, and offset and type of each
+  /// column; the columns, little-endian, each at a multiple of 8 bytes after the JSON. An empty `columns` requests all
+  /// columns; unknown names are ignored. Errors: Error if k is out of range.
   std::string frame(std::filesystem::path const& file, std::size_t k, std::vector<std::string> const& columns);
 
  private:
-  /// The mark that tells whether a file is still the one that was opened, at its length then.
+  /// The identity and length of a file when it was opened, to detect a changed file.
   struct Version {
     std::uint64_t device = 0, inode = 0, bytes = 0;
     std::int64_t seconds = 0, nanoseconds = 0;
@@ -44,7 +42,7 @@ class FrameStore {
   static Version version_of(std::filesystem::path const& file);
 
   std::mutex mutex_;
-  std::list<Open> open_;  ///< the last used first
+  std::list<Open> open_;  ///< most recently used first
 };
 
 }  // namespace gridlock::view

@@ -1,4 +1,4 @@
-// The command `gridlock view`: it needs a library for HTTP, whose libraries would make every start of gridlock slower.
+// The command `gridlock view`, a program of its own, since loading its HTTP library would slow every start of gridlock.
 #include "gridlock/verbs.hpp"
 #include "view.hpp"
 

@@ -17,9 +17,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A stop is seen after so long at most.
+/// Maximum time in milliseconds until a stop is noticed.
 constexpr int slice = 50;
-/// httplib reads ranges by a regular expression, whose stack grows with the text.
+/// Maximum length of a Range header; httplib parses it by a regular expression whose stack use grows with the length.
 constexpr std::size_t longest_range = 128;
 
 int left_until(std::chrono::steady_clock::time_point end) {
@@ -99,7 +99,7 @@ void RequestStream::refuse(int status, char const* reason, char const* text) {
 }
 
 void RequestStream::close() {
-  // Closed with bytes unread, the connection would be reset, and the answer lost.
+  // Closing a connection with unread bytes would reset it, and the client would lose the answer.
   shutdown(socket_, SHUT_WR);
   constexpr int max_milliseconds = 500;
   auto const end = Clock::now() + milliseconds(max_milliseconds);
@@ -131,7 +131,7 @@ ssize_t RequestStream::write(char const* bytes, size_t size) {
   return static_cast<ssize_t>(size);
 }
 
-// Both ends are on this machine, and nobody asks for them.
+// Both ends are on this machine; these functions are required by the interface, and their results are not used.
 void RequestStream::get_remote_ip_and_port(std::string& address, int& port) const {
   address = "127.0.0.1";
   port = 0;

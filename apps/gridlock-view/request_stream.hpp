@@ -12,28 +12,27 @@
 
 namespace gridlock::view {
 
-/// One connection. The head of a request is read here as a whole, within bounds; httplib gets those bytes and no
-/// others.
+/// A connection. This class reads the complete head of a request within limits, and passes only these bytes to httplib.
 class RequestStream final : public httplib::Stream {
  public:
   enum class Head {
     whole,
-    whole_and_last,  ///< a request that may have a body, which nobody reads
-    none,            ///< the client has gone, or sent nothing for too long
+    whole_and_last,  ///< a request with a body, which is not read
+    none,            ///< the client has disconnected or was idle for too long
     too_large,
     too_slow,
-    bad_range,  ///< longer than any range a browser asks for
+    bad_range,  ///< longer than ranges of browsers
   };
 
-  /// `should_hurry` is asked while a request has not come as a whole.
+  /// `should_hurry` returns whether other connections wait; it is called while a request is incomplete.
   RequestStream(socket_t socket, ConnectionLimits const& limits, std::atomic<bool> const& is_stopping,
                 std::function<bool()> should_hurry)
       : socket_(socket), limits_(limits), is_stopping_(is_stopping), should_hurry_(std::move(should_hurry)) {}
 
   Head read_head();
-  /// Answers a request that httplib does not see.
+  /// Sends an error answer without httplib.
   void refuse(int status, char const* reason, char const* text);
-  /// Ends the connection so that the client still gets what was written, also where it has sent more than was read.
+  /// Closes the connection. The client still receives the answer, even if it sent more bytes than were read.
   void close();
 
   [[nodiscard]] bool is_readable() const override { return at_ < end_; }
@@ -47,9 +46,9 @@ class RequestStream final : public httplib::Stream {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Waits for the socket; false when the time is over or the server stops.
+  /// Waits for an event of the socket; returns false after the given time or when the server stops.
   bool wait(short events, int milliseconds) const;
-  /// The same for bytes of a request, from `begin` on; less long while other connections wait.
+  /// Waits for bytes of a request that began at `begin`; only for crowded_milliseconds if other connections wait.
   bool wait_for_bytes(Clock::time_point begin, int max_milliseconds) const;
 
   socket_t socket_;
@@ -57,8 +56,8 @@ class RequestStream final : public httplib::Stream {
   std::atomic<bool> const& is_stopping_;
   std::function<bool()> should_hurry_;
   std::string received_;
-  std::size_t at_ = 0;   ///< what httplib has read
-  std::size_t end_ = 0;  ///< of the head of the present request; what follows belongs to the next one
+  std::size_t at_ = 0;   ///< bytes of the head that httplib has read
+  std::size_t end_ = 0;  ///< length of the current head; later bytes belong to the next request
 };
 
 }  // namespace gridlock::view

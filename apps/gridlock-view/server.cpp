@@ -15,10 +15,10 @@ namespace {
 
 using Head = RequestStream::Head;
 
-/// Connections that the system keeps until they are accepted.
+/// Maximum number of connections that the system holds until they are accepted.
 constexpr int backlog = 1024;
 
-/// Counts what waits for a thread.
+/// A thread pool that counts the connections waiting for a thread.
 class CountedQueue final : public httplib::ThreadPool {
  public:
   CountedQueue(std::size_t threads, std::atomic<std::size_t>& waiting) : ThreadPool(threads), waiting_(waiting) {}
@@ -35,14 +35,14 @@ class CountedQueue final : public httplib::ThreadPool {
   std::atomic<std::size_t>& waiting_;
 };
 
-/// Lets the port be taken again soon after an end, and by no other program beside this one, unlike httplib's own
-/// choice.
+/// Allows another server to take the port soon after this one ends. httplib's default would also let another program
+/// share the port at the same time.
 void choose_socket_options(socket_t socket) {
   int const yes = 1;
   setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
 }
 
-/// Answers what httplib is not to see. Returns whether it was such a request.
+/// Answers an invalid request without httplib. Returns whether the request was invalid.
 bool refuse(RequestStream& stream, Head head) {
   switch (head) {
     case Head::too_large:
@@ -68,7 +68,7 @@ Server::Server(Answer answer, ConnectionLimits const& limits) : limits_(limits) 
   set_socket_options(choose_socket_options);
   set_tcp_nodelay(true);
   set_keep_alive_max_count(1'000'000);
-  // In front of httplib's own routes, so that every method and every path comes here.
+  // The handler runs before httplib's own routing, so that it receives every method and path.
   set_pre_routing_handler([answer = std::move(answer)](httplib::Request const& request, httplib::Response& response) {
     answer(request, response);
     return HandlerResponse::Handled;
@@ -88,7 +88,7 @@ void Server::serve() { listen_after_bind(); }
 
 void Server::stop() {
   is_stopping_ = true;
-  // httplib knows of a stop only once it listens, which serve() may be about to do.
+  // httplib ignores a stop before it listens, and serve() may be about to listen.
   while (!is_running() && svr_sock_ != INVALID_SOCKET) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -9,42 +9,40 @@
 
 namespace gridlock::view {
 
-/// How long a client may take, and how much it may send.
+/// Limits on the time of clients and the size of requests.
 struct ConnectionLimits {
-  std::size_t threads = 64;            ///< connections that are served at a time; others wait
-  std::size_t max_head_bytes = 65536;  ///< of a request line with its headers
-  int idle_milliseconds = 5000;        ///< until a request begins
-  int head_milliseconds = 5000;        ///< from its first byte to its last
-  int crowded_milliseconds = 200;      ///< for either while other connections wait
-  int write_milliseconds = 15000;      ///< until a client takes more of an answer
+  std::size_t threads = 64;            ///< connections served at a time; others wait
+  std::size_t max_head_bytes = 65536;  ///< size of a request line with its headers
+  int idle_milliseconds = 5000;        ///< time until a request begins
+  int head_milliseconds = 5000;        ///< time from the first byte of a head to the last
+  int crowded_milliseconds = 200;      ///< replaces both times above while connections wait
+  int write_milliseconds = 15000;      ///< time until a client accepts more of an answer
 };
 
 /// An HTTP server on the loopback interface, for requests without a body.
 ///
-/// cpp-httplib parses requests and writes answers. What it leaves open is bounded here, before it reads a byte: the
-/// size and the time of a request, the connections that only wait, and a request with a body, after which the
-/// connection ends.
-/// `Request::ranges` is always empty: the header `Range` is left to who answers.
+/// cpp-httplib parses requests and writes answers. This class adds limits before httplib reads a byte: on size and time
+/// of a request and on idle connections; a request with a body ends its connection. `Request::ranges` is always empty,
+/// so the answer function must handle the header `Range`.
 class Server : private httplib::Server {
  public:
   using Answer = std::function<void(httplib::Request const&, httplib::Response&)>;
 
   explicit Server(Answer answer, ConnectionLimits const& limits = {});
 
-  /// Takes a port of 127.0.0.1, any free one for 0. Returns the port, or 0 where it cannot be had; then `errno` says
-  /// why.
+  /// Binds a port of 127.0.0.1; 0 means any free port. Returns the port, or 0 with the reason in `errno`.
   int bind(int port);
-  /// Answers until stop(). Requires bind().
+  /// Answers requests until stop(). Requires bind().
   void serve();
-  /// From another thread than serve(), which must be called; returns once that listens. Answers that are being written
-  /// are cut off.
+  /// Stops serve(), which another thread must have called or be about to call, and returns after it listens. Answers in
+  /// progress are cut off.
   void stop();
 
  private:
   bool process_and_close_socket(socket_t socket) override;
 
   ConnectionLimits limits_;
-  std::atomic<std::size_t> waiting_{0};  ///< connections that no thread serves yet
+  std::atomic<std::size_t> waiting_{0};  ///< connections that wait for a thread
   std::atomic<bool> is_stopping_{false};
 };
 

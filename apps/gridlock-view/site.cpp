@@ -66,8 +66,8 @@ std::string type_of(fs::path const& file) {
   return found == types.end() ? "application/octet-stream" : found->second;
 }
 
-/// Whether a header `Host` is a name of the loopback interface, with any port: by an SSH tunnel it is another one, on
-/// the machine with the browser.
+/// Returns whether a header `Host` names the loopback interface. Any port is accepted, since an SSH tunnel gives the
+/// browser another port.
 bool is_loopback(std::string_view host) {
   for (std::string_view const name : {"127.0.0.1", "localhost", "[::1]"}) {
     if (!host.starts_with(name)) continue;
@@ -91,8 +91,8 @@ void set_headers(Response& response) {
   response.set_header("X-Content-Type-Options", "nosniff");
   response.set_header("Referrer-Policy", "no-referrer");
   response.set_header("Cross-Origin-Resource-Policy", "same-origin");
-  // The page asks nobody else for anything, and no other page shows it in a frame. Which scripts of its own it runs, it
-  // says itself, by their hashes.
+  // The page may request nothing from other servers, and no other page may show it in a frame. The page itself
+  // restricts its scripts to those with known hashes.
   response.set_header(
       "Content-Security-Policy",
       "default-src 'self' data: blob:; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'self' "
@@ -100,10 +100,10 @@ void set_headers(Response& response) {
       "worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
 }
 
-/// An open file that closes itself.
+/// A regular file, open for reading; closed by the destructor.
 class OpenFile {
  public:
-  /// A link would have been followed before; a pipe would be waited for.
+  /// Does not follow a link, which may have replaced the checked file, and does not wait at a pipe.
   explicit OpenFile(fs::path const& path)
       : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {
     struct stat status {};
@@ -130,8 +130,7 @@ class OpenFile {
 
 constexpr std::size_t bytes_at_a_time = std::size_t{1} << 18;
 
-/// Hands a part of a file to the client, piece by piece. A file that has become shorter meanwhile breaks the answer
-/// off.
+/// Sends a part of a file to the client piece by piece. The answer breaks off if the file becomes too short.
 void send_part(Response& response, std::shared_ptr<OpenFile> file, ByteRange const& part, std::string const& type) {
   auto const provide = [file = std::move(file), part](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
     std::vector<char> bytes(std::min(length, bytes_at_a_time));
@@ -160,7 +159,7 @@ void send_file(fs::path const& path, Request const& request, Response& response)
   send_part(response, file, part, type_of(path));
 }
 
-/// The page says where its data are, so that the same page on another server asks for none.
+/// Returns index.html with the address of the data added. The same page on a server without data requests none.
 std::string index_of(fs::path const& page) {
   std::string text = read_file(page / "index.html");
   std::string const head = "<head>";
@@ -185,7 +184,7 @@ std::vector<std::string> names_between_commas(std::string const& text) {
   return names;
 }
 
-/// The files of the built page by the addresses that lead to them.
+/// Returns the files of the built page by the paths of their requests.
 std::map<std::string, fs::path> files_of_page(fs::path const& page) {
   std::map<std::string, fs::path> files;
   fs::path const root = fs::canonical(page);
@@ -196,7 +195,7 @@ std::map<std::string, fs::path> files_of_page(fs::path const& page) {
   return files;
 }
 
-/// How a run has ended, as its summary says; nothing where there is none.
+/// Returns the status of a run from its summary; nothing if there is no summary.
 std::optional<std::string> end_of(Contents const& contents, ShownRun const& run) {
   if (!contents.find(run, "summary.json")) return std::nullopt;
   try {
@@ -207,16 +206,16 @@ std::optional<std::string> end_of(Contents const& contents, ShownRun const& run)
   }
 }
 
-/// How a run has ended; "unfinished" where it is at work, "abandoned" where it has not ended and no program is at work
-/// on it.
+/// Returns the status of a run: that of its summary, "unfinished" while a program works in its directory, otherwise
+/// "abandoned".
 std::string status_of(Contents const& contents, ShownRun const& run) {
   if (auto const end = end_of(contents, run)) return *end;
   if (DirectoryLock::is_held(run.directory)) return "unfinished";
-  // It may have ended in between.
+  // The run may have ended between the two checks.
   return end_of(contents, run).value_or("abandoned");
 }
 
-/// Calls `work`; what the library refuses becomes an answer.
+/// Calls `work`; an exception becomes an error answer.
 template <class Work>
 void guarded(Response& response, Work const& work) {
   try {

@@ -11,7 +11,7 @@
 
 namespace gridlock::view {
 
-/// Answers the requests of the page, and refuses all others:
+/// Answers the requests of the page and refuses all others:
 ///
 ///     /  /NAME                                  the page and its files, as they were at the start
 ///     /data/contents.json                       what is shown, and the runs of a sweep
@@ -21,8 +21,8 @@ namespace gridlock::view {
 ///     /data/runs/ID/trajectory.json?from=K      FrameStore::describe()
 ///     /data/runs/ID/frames/K?columns=x,y        FrameStore::frame()
 ///
-/// Only GET and HEAD, only from this machine's own names, and only from pages of this server: another site that a
-/// browser shows gets nothing, also where it makes its own name one of the loopback interface.
+/// Accepts only GET and HEAD, only with a host name of the loopback interface, and only from pages of this server.
+/// Another site in the user's browser gets no data, even if its own name resolves to the loopback interface.
 class Site {
  public:
   /// `page` is the directory of the built page.
@@ -39,23 +39,23 @@ class Site {
 
   Contents contents_;
   std::string index_;                                  ///< index.html
-  std::map<std::string, std::filesystem::path> page_;  ///< path of a request → another file of the page
+  std::map<std::string, std::filesystem::path> page_;  ///< files of the page by the path of their requests
   FrameStore frames_;
 };
 
-/// One range of bytes of a file, clipped to it.
+/// A range of bytes within a file.
 struct ByteRange {
   std::uint64_t first = 0;
   std::uint64_t count = 0;
 };
 
-/// The bytes that a header `Range` asks for of a file of `size` bytes.
+/// The result of a header `Range` for a file of `size` bytes.
 struct AskedRange {
   enum class Kind { all, part, beyond } kind = Kind::all;
   ByteRange range;
 };
 
-/// Several ranges, other units and what is no range count as no header, as HTTP allows.
+/// Reads a header `Range`. Invalid headers, several ranges and other units count as no header, as HTTP allows.
 AskedRange read_range(std::string const& header, std::uint64_t size);
 
 }  // namespace gridlock::view

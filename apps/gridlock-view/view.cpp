@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using cli::ExitCode;
 
-/// Taken where no port is asked for, unless another program has it: the same address each time.
+/// The default port, so that the address is usually the same; a free port if another program uses it.
 constexpr int usual_port = 8642;
 
 struct Options {
@@ -45,7 +45,7 @@ bool has_page(fs::path const& directory) {
   return fs::is_regular_file(directory / "index.html", ignored);
 }
 
-/// The built page: of the installation that this program belongs to, or of the sources that it was built from.
+/// Returns the directory of the built page: `asked`, or else that of this installation or of the build directory.
 fs::path find_page(std::string const& asked) {
   std::string const hint =
       "the packages and the wheel that ./dev makes have it; in the sources of Gridlock, ./dev build-web makes it alone";
@@ -71,7 +71,7 @@ int bind(Server& server, std::uint64_t asked) {
                .key = "--port"});
 }
 
-/// The signals that stop the server; a thread inherits that they wait for sigwait().
+/// Blocks the signals that stop the server in this thread and those it starts, so that wait() receives them.
 class StopSignals {
  public:
   StopSignals() {
@@ -90,7 +90,7 @@ class StopSignals {
   sigset_t signals_{};
 };
 
-/// Each connection is an open file, and the usual limit is that of one crowd.
+/// Raises the limit of open files, since each connection counts as a file and the usual limit may be too low.
 void raise_limit_of_files() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;

@@ -29,7 +29,7 @@ std::string in_words(gridlock::Box const& box) {
   return fmt::format("{} box {} × {}", box.is_periodic() ? "periodic" : "walled", box.width(), box.height());
 }
 
-/// "packing fraction 0.7, radius 0.016, " of agents that have one; else empty.
+/// Returns "packing fraction 0.7, radius 0.016, " for agents with a radius; otherwise an empty text.
 std::string sizes_in_words(gridlock::Simulation const& simulation) {
   gridlock::AgentsView const agents = simulation.view();
   if (!agents.has<gridlock::Radius>() || agents.empty()) return "";
@@ -58,13 +58,13 @@ void print_notes(std::vector<std::vector<gridlock::Event>> const& notes) {
   for (std::string const& note : gridlock::texts_of(notes)) fmt::print(stderr, "note: {}\n", note);
 }
 
-/// Everything but a random start that takes long.
+/// Sets up a run, except for a random start that would take long.
 gridlock::Setup set_up_soon(gridlock::SettingsFile const& settings) {
   return gridlock::set_up(settings, {.on_slow_start = [](double) { return false; }, .threads = 1});
 }
 
-/// The problems of the runs of a sweep. Of runs that differ in the seed alone only the first says what is wrong with
-/// it.
+/// Collects the problems of the runs of a sweep. Among runs that differ only in the seed, the first reports the problem
+/// and the others are counted.
 class SweepProblems {
  public:
   explicit SweepProblems(gridlock::SweepPlan const& plan) : plan_(plan) {}
@@ -82,7 +82,7 @@ class SweepProblems {
     }
   }
 
-  /// Errors: Error where there are problems.
+  /// Errors: Error if there are any problems.
   void require_none() {
     for (std::size_t k = 0; k < problems_.size(); ++k) {
       std::size_t const others = other_seeds_[k];
@@ -107,7 +107,7 @@ class SweepProblems {
   std::map<std::tuple<std::vector<std::string>, std::string, std::size_t>, std::size_t> place_of_;
 };
 
-/// Sets up every run of a sweep; what is wrong with any of them comes at the end.
+/// Sets up every run of a sweep, and reports all problems at the end.
 void check_all(gridlock::SweepPlan const& plan) {
   SweepProblems problems(plan);
   std::vector<std::vector<gridlock::Event>> notes;

@@ -33,7 +33,7 @@ namespace {
 
 using cli::ExitCode;
 
-/// An empty text, as of a shell variable without a value, never means anything.
+/// Refuses empty texts as values of options, since they come from mistakes such as an unset shell variable.
 void refuse_empty_values(CLI::App& app) {
   for (CLI::App* const verb : app.get_subcommands({})) {
     for (CLI::Option* const option : verb->get_options()) {
@@ -42,7 +42,7 @@ void refuse_empty_values(CLI::App& app) {
   }
 }
 
-/// `help` and `help WORD` are --help and WORD --help.
+/// Turns `help` into --help and `help WORD` into WORD --help.
 std::vector<std::string> without_help(std::vector<std::string> words) {
   if (words.empty() || words.front() != "help") return words;
   words.erase(words.begin());
@@ -54,7 +54,7 @@ bool has_command(CLI::App& app, std::string const& word) {
   return !app.get_subcommands([&](CLI::App const* command) { return command->check_name(word); }).empty();
 }
 
-/// A command of Gridlock that is a program of its own, with what the help says of it.
+/// A command of Gridlock that is a separate program, with its text in the help.
 struct OtherCommand {
   std::string_view name;
   char const* documentation;
@@ -72,14 +72,14 @@ bool is_other_command(std::string_view word) {
   return std::ranges::find(other_commands, word, &OtherCommand::name) != other_commands.end();
 }
 
-/// Where a program comes from that is missing.
+/// Returns where to get a missing program.
 std::string origin_of(std::string_view command) {
   if (command != "view") return cli::python_package(command);
   return "it is built where cpp-httplib is installed (Debian: libcpp-httplib-dev)";
 }
 
-/// Becomes the program of a first word that is no command of this one, where there is such a program.
-/// Errors: Error where a program of Gridlock's own is missing.
+/// Replaces this process by the program of the first word, if that is a command of another program. Errors: Error if a
+/// separate program of Gridlock is missing.
 void hand_over(CLI::App& app, std::vector<std::string> const& words) {
   if (words.empty() || (has_command(app, words.front()) && !is_other_command(words.front()))) return;
   std::filesystem::path const program = cli::find_other_program(words.front());
@@ -89,7 +89,7 @@ void hand_over(CLI::App& app, std::vector<std::string> const& words) {
                .hint = origin_of(words.front())});
 }
 
-/// Lists the other programs in the help, which alone takes the time to look for them.
+/// Adds other programs to the help. Only the help searches for them, since that takes time.
 void add_other_programs(CLI::App& app) {
   for (std::string const& word : cli::other_programs()) {
     if (has_command(app, word)) continue;
@@ -97,23 +97,23 @@ void add_other_programs(CLI::App& app) {
   }
 }
 
-/// The frame that every program of Gridlock has around its commands.
+/// Sets what the command lines of all programs of Gridlock have in common.
 void set_up_app(CLI::App& app, std::string const& name) {
-  // Looked up for every command, so that a wrong name of instructions is refused before anything runs.
+  // target() is called for every command, so that an invalid name of instructions is refused before a run.
   app.set_version_flag("--version", fmt::format("{} {}, instructions: {}", name, version(), to_text(target())));
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
 }
 
-/// Parses the words, which carries out the command. Errors: Error for words that mean none.
+/// Parses the words, which carries out the command. Errors: Error for invalid words.
 void parse(CLI::App& app, std::vector<std::string> const& words, bool lists_other_programs) {
   try {
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the end
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes words from the end
   } catch (CLI::ParseError const& error) {
     bool const is_version = dynamic_cast<CLI::CallForVersion const*>(&error) != nullptr;
     if (lists_other_programs && !is_version && app.get_subcommands().empty()) add_other_programs(app);
-    if (error.get_exit_code() == 0) {  // --help and --version
+    if (error.get_exit_code() == 0) {  // true for --help and --version
       app.exit(error);
       return;
     }
@@ -158,7 +158,7 @@ std::uint64_t hash_of(std::vector<std::string> const& words) {
   return std::hash<std::string>{}(all);
 }
 
-/// The commands that several processes carry out together.
+/// Carries out a command on several processes.
 ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions crew) {
   cli::set_program_name_of(argc, argv);
   std::vector<std::string> const words = words_of(argc, argv);
@@ -183,7 +183,7 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions crew) 
   return exit_code;
 }
 
-/// The one command of a program of its own, which the user has typed as a command of gridlock.
+/// Carries out the only command of a separate program; error messages refer to it as a command of gridlock.
 ExitCode run_command_line_of_one(int argc, char** argv, std::string const& name, cli::AddCommand add) {
   cli::set_program_name("gridlock");
   CLI::App app{"gridlock", "gridlock"};
@@ -197,10 +197,10 @@ ExitCode run_command_line_of_one(int argc, char** argv, std::string const& name,
   return exit_code;
 }
 
-/// Without an exception where standard error takes no more, as a file at its limit: the exit code tells all the same.
+/// Prints an error without throwing if standard error is full, since the exit code also reports the failure.
 void print_error(std::string const& text) { std::fputs(fmt::format("error: {}\n", text).c_str(), stderr); }
 
-/// The code to end with: of what was printed, some may not have arrived, as on a full disk.
+/// Returns the exit code after output. It reports a failure if standard output was not written completely.
 ExitCode after_printing(ExitCode exit_code) {
   bool const is_flushed = std::fflush(stdout) == 0;
   int const why = errno;
@@ -210,11 +210,11 @@ ExitCode after_printing(ExitCode exit_code) {
   return exit_code == ExitCode::good ? ExitCode::run_failed : exit_code;
 }
 
-/// The reason why a command failed; no text where it has not.
+/// The reason why a command failed; an empty text if it succeeded.
 struct Failure {
   ExitCode exit_code = ExitCode::good;
   std::string text;
-  bool is_of_printing = false;  ///< after_printing() says so
+  bool is_of_printing = false;  ///< after_printing() prints the reason
 };
 
 Failure failure_of(std::exception const& error) {
@@ -232,10 +232,10 @@ Failure failure_of(std::exception const& error) {
   return {ExitCode::run_failed, error.what(), is_of_system && std::ferror(stdout) != 0};
 }
 
-/// Carries out a command and prints what it dies of.
+/// Carries out a command and prints its exception.
 template <class Command>
 Failure guarded(Command command) {
-  // Otherwise the system ends the program without a word at a limit on the size of files.
+  // At a limit on file size, the signal would end the program without a message; ignored, writing fails instead.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     return {command(), ""};

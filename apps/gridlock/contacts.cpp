@@ -53,7 +53,7 @@ Error problem_of(fs::path const& file, std::string_view what, std::string const&
   return Error({.what = fmt::format("{} {}", file.string(), what), .hint = hint, .file = file.string()});
 }
 
-/// Gives all disks one radius where the file has none.
+/// Sets the radius of all disks, for a file without radii.
 void set_radii(State& state, double radius) { std::ranges::fill(state.agents.column<Radius>(), radius); }
 
 fs::path packing_file(Options const& options) {
@@ -79,7 +79,7 @@ State read_packing(Options const& options) {
     double const area = *options.packing_fraction * frame.state.box.area() / static_cast<double>(disks);
     set_radii(frame.state, std::sqrt(area / std::numbers::pi));
   }
-  // Velocities and clocks are of no use here, and their absence is not worth a word.
+  // No note is needed on velocities and clocks, since an analysis does not use them.
   if (!frame.unused_columns.empty()) {
     fmt::print(stderr, "note: columns of {} that are not used: {}\n", file.string(),
                fmt::join(frame.unused_columns, ", "));
@@ -91,7 +91,7 @@ PointsInMemory points_of(Packing const& packing) {
   return {.x = packing.x.data(), .y = packing.y.data(), .count = packing.size()};
 }
 
-/// ⟨|ψ6|⟩ over the Voronoi neighbours; none for fewer than three disks, whose neighbours are images of one another.
+/// Returns ⟨|ψ6|⟩ over Voronoi neighbours; null for fewer than three disks, whose neighbours are images of each other.
 Json local_order(Packing const& packing) {
   if (packing.size() < 3) return nullptr;
   VoronoiCells const cells = find_voronoi_cells(packing.box, points_of(packing), 0);
@@ -101,8 +101,8 @@ Json local_order(Packing const& packing) {
   return sum / static_cast<double>(packing.size());
 }
 
-/// Up to two wave lengths a diameter, in rings as wide as the longest wave; of many disks fewer, so that it takes
-/// seconds.
+/// Returns the spectral density up to wave number 4π/D, in rings of the width 2π/(longer side). For many disks the
+/// largest wave number is reduced, so that the sum takes only seconds.
 Table spectrum_of(Packing const& packing) {
   constexpr double max_terms = 5e9;
   double const longest = std::max(packing.box.width(), packing.box.height());
@@ -119,7 +119,7 @@ Table spectrum_of(Packing const& packing) {
   return table;
 }
 
-/// Every file that write_results() may write; a packing has these names to itself, also in a box without a spectrum.
+/// Returns all files that write_results() may write. These names belong to a packing, even if it has no spectrum.
 std::vector<fs::path> files_in(fs::path const& directory) {
   std::vector<fs::path> files;
   for (char const* name :
@@ -146,7 +146,7 @@ void write_results(fs::path const& directory, State const& state, PackingAnalysi
   write_file(directory / summary_name, summary.dump(2) + "\n");
 }
 
-/// With a tolerance contacts are a matter of distance alone.
+/// Returns the note on contacts with a tolerance, which depend only on distances.
 std::string note_on_tolerance(ContactNetwork const& network) {
   auto const gaps = std::ranges::count(network.forces, 0.0);
   std::string const first =
@@ -157,7 +157,7 @@ std::string note_on_tolerance(ContactNetwork const& network) {
          "which overlap, need no --tolerance";
 }
 
-/// Prints notes that a user should read before using the numbers.
+/// Prints notes that a user should read before using the results.
 void print_notes(PackingAnalysis const& analysis) {
   ContactNetwork const& network = analysis.network;
   auto const note = [](std::string const& text) { fmt::print(stderr, "note: {}\n", text); };
@@ -213,7 +213,7 @@ ExitCode contacts(Options const& options) {
   return ExitCode::good;
 }
 
-/// Accepts numbers in a range; what is no number CLI11 refuses itself.
+/// Returns a validator for numbers in a range; CLI11 itself refuses words that are not numbers.
 CLI::Validator number_that(std::string const& range, bool (*is_in_range)(double)) {
   return {[=](std::string const& text) {
             double value = 0.0;

@@ -27,7 +27,7 @@ namespace gridlock::cli {
 
 namespace {
 
-/// The columns of series.csv: the clock of every run, and all observables.
+/// Returns the columns of series.csv that every run has: the clock and the observables.
 std::vector<ColumnInfo> measured_columns() {
   std::vector<ColumnInfo> columns = clock_columns();
   std::ranges::move(observed_columns(), std::back_inserter(columns));
@@ -40,7 +40,7 @@ std::string explained(ColumnInfo const& column, std::string_view where = "column
                      column.unit.empty() ? "a pure number" : "in " + column.unit);
 }
 
-/// The table of docs/reference/observables.md.
+/// Returns the table of docs/reference/observables.md.
 std::string observables_markdown() {
   std::string text = "| column | unit | meaning |\n|---|---|---|\n";
   for (ColumnInfo const& column : measured_columns()) {
@@ -52,7 +52,7 @@ std::string observables_markdown() {
   return text;
 }
 
-/// The explanation of one column, or of all of them for "observables"; empty for another key.
+/// Returns the explanation of a column, or of all columns for "observables"; empty for other keys.
 std::string explained_observables(std::string_view key) {
   std::string text;
   for (ColumnInfo const& column : measured_columns()) {
@@ -63,7 +63,7 @@ std::string explained_observables(std::string_view key) {
   return text;
 }
 
-/// How the field abbreviates what is measured and set, and the names it has here.
+/// Usual abbreviations of quantities and settings, with the names in Gridlock.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 12> abbreviations{{
     {"psi6", "local_bond_orientation_order"},
     {"psi_6", "local_bond_orientation_order"},
@@ -86,14 +86,14 @@ std::optional<std::string> name_of_abbreviation(std::string key) {
   return found == abbreviations.end() ? std::nullopt : std::optional<std::string>(found->second);
 }
 
-/// A column of a table that some runs write.
+/// A column of a table or an entry of summary.json that only some runs write.
 struct ColumnElsewhere {
   ColumnInfo column;
   std::string where;                     ///< "column of series.csv"
-  std::vector<std::string> models = {};  ///< whose runs write it; empty: any
+  std::vector<std::string> models = {};  ///< models with this column; empty: all
 };
 
-/// The columns of the measured curves, from the shortest run that has all of them.
+/// Returns the columns of measured curves, from a short run that has all of them.
 std::vector<ColumnElsewhere> columns_of_curves() {
   Configuration configuration;
   configuration.disks = {.count = 16, .packing_fraction = 0.3};
@@ -108,8 +108,8 @@ std::vector<ColumnElsewhere> columns_of_curves() {
   return columns;
 }
 
-/// The columns that the models add to the series, each at the settings it has by itself; a model that needs settings
-/// tells none.
+/// Returns the columns that models add to the series with default settings; models that cannot run with them are left
+/// out.
 std::vector<ColumnElsewhere> columns_of_models() {
   std::vector<ColumnElsewhere> columns;
   Configuration const known;
@@ -127,7 +127,7 @@ std::vector<ColumnElsewhere> columns_of_models() {
   return columns;
 }
 
-/// The columns that a protocol adds.
+/// Returns the results and columns that a protocol adds.
 std::vector<ColumnElsewhere> columns_of_protocols() {
   std::vector<ColumnElsewhere> columns;
   for (ColumnInfo const& entry : protocol_results())
@@ -139,7 +139,7 @@ std::vector<ColumnElsewhere> columns_of_protocols() {
   return columns;
 }
 
-/// All that measured_columns() does not have.
+/// Returns all columns that are not among measured_columns().
 std::vector<ColumnElsewhere> columns_elsewhere() {
   std::vector<ColumnInfo> const everywhere = measured_columns();
   std::vector<ColumnElsewhere> columns = columns_of_models();
@@ -155,7 +155,7 @@ std::string explained_elsewhere(std::string_view key) {
   std::vector<ColumnElsewhere> told;
   for (ColumnElsewhere& column : columns_elsewhere()) {
     if (column.column.name != key && key != "observables") continue;
-    // Several models say the same of what they have in common.
+    // Models with the same column and documentation share one entry.
     auto const same = std::ranges::find_if(told, [&](ColumnElsewhere const& other) {
       return other.column.name == column.column.name && other.where == column.where &&
              other.column.documentation == column.column.documentation;
@@ -177,7 +177,7 @@ std::string explained_elsewhere(std::string_view key) {
   return text;
 }
 
-/// The nearest name, or else all names that hold the word; empty where there are none.
+/// Returns the nearest name, or else all names that contain the word; empty if there are none.
 std::string meant_by(std::string const& key) {
   Configuration configuration;
   std::vector<std::string> names;
@@ -195,8 +195,8 @@ std::string meant_by(std::string const& key) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// Errors: Error for a setting or a column of another name in earlier versions, with its present one, and for a model
-/// that earlier versions shipped.
+/// Throws an Error with the present name of a setting or column of earlier versions, or with the substitute for a
+/// former model.
 void refuse_former_name(std::string const& key) {
   Configuration configuration;
   std::string const table = key.substr(0, key.find('.'));
@@ -211,14 +211,14 @@ void refuse_former_name(std::string const& key) {
                .hint = fmt::format("gridlock explain {} says what it is", *present)});
 }
 
-/// Whether a key is the last part of the names of settings, as "speed" of engine.speed: columns may be called so too.
+/// Returns whether a key is the last part of a setting, as "speed" of engine.speed. A column may have the same name.
 bool is_last_part(Configuration& configuration, std::string const& key) {
   std::string const last = "." + key;
   std::vector<std::string> const settings = setting_keys(describing(configuration));
   return std::ranges::any_of(settings, [&](std::string const& setting) { return setting.ends_with(last); });
 }
 
-/// A stage of a protocol, as "grow"; empty for another word.
+/// Returns the explanation of a stage such as "grow"; empty for other words.
 std::string explained_stage(std::string const& key) {
   for (std::string const& kind : stage_kinds()) {
     if (kind != key) continue;
@@ -229,7 +229,7 @@ std::string explained_stage(std::string const& key) {
   return "";
 }
 
-/// The answer to a word that is no name of Gridlock's, but is looked for; empty for another word.
+/// Returns the explanation of a word that users look for although it is no name in Gridlock; empty for other words.
 std::string explained_word(std::string const& key) {
   Configuration configuration;
   if (key == "temperature" || key == "kT" || key == "kt") {
@@ -248,8 +248,8 @@ std::string explained_word(std::string const& key) {
   return fmt::format("{}\n{}", *lacking, names.empty() ? "" : fmt::format("names near to it: {}\n", names));
 }
 
-/// A setting, a table, a column, an engine, an abbreviation or another word that is looked for. Errors: Error for a key
-/// that is none of them.
+/// Returns the explanation of a setting, table, column, engine, abbreviation or another word that users look for.
+/// Errors: Error for other words.
 std::string explained(std::string const& key) {
   if (auto const name = name_of_abbreviation(key)) return fmt::format("{} is {}\n\n{}", key, *name, explained(*name));
   std::string text = explained_observables(key);

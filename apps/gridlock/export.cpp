@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How many steps apart to keep about a hundred frames of a run like that of a settings file; every one of a run
-/// without steps, such as a protocol alone, whose only frame is its end.
+/// Returns the number of steps between frames that gives about a hundred frames for a run with these settings; 100 if
+/// the run has no length in steps.
 std::uint64_t steps_between_frames(fs::path const& settings) {
   constexpr std::uint64_t usual = 100;
   try {
@@ -33,11 +33,11 @@ std::uint64_t steps_between_frames(fs::path const& settings) {
     std::uint64_t const steps = configuration.run.steps.value_or(usual * usual);
     return std::max<std::uint64_t>(1, steps / usual);
   } catch (gridlock::Error const&) {
-    return usual;  // the model is of another program
+    return usual;  // the model belongs to another program
   }
 }
 
-/// Files of single frames lie in a directory beside the one that is named.
+/// Throws an Error for a format with a file for each frame if the output is a descriptor such as /dev/stdout.
 void require_name_of_file(fs::path const& file, FrameFormat const& format) {
   if (format.file_of_step == nullptr || !descriptor_named(file)) return;
   std::string name(format.name);
@@ -55,7 +55,7 @@ std::vector<std::string> exported_formats() {
   return names;
 }
 
-/// "xyz (OVITO, ASE), vtk (ParaView) or csv"
+/// Returns the help on formats: "xyz (OVITO, ASE), vtk (ParaView) or csv".
 std::string help_on_formats() {
   std::string text;
   std::vector<std::string> const names = exported_formats();

@@ -64,7 +64,7 @@ void print_sweep(fs::path const& directory) {
   print_table(directory / "means.csv");
 }
 
-/// The only frame of a file of extended XYZ, the one that is asked for, or the last.
+/// Prints a frame of a file of extended XYZ: the chosen frame, or else the last.
 void print_frame(fs::path const& path, std::optional<std::int64_t> chosen) {
   std::uint64_t const frames = gridlock::count_xyz_frames(path);
   gridlock::XyzFrame const frame = gridlock::read_xyz(path, frames > 1 ? chosen.value_or(-1) : chosen, "--frame");
@@ -101,7 +101,7 @@ void print_trajectory(fs::path const& path) {
     fmt::print("  steps {} to {}, time {} to {}\n", first.frame.clock.step, last.frame.clock.step,
                first.frame.clock.time, last.frame.clock.time);
     fmt::print("  columns: {}\n", fmt::join(columns, ", "));
-    // Other programs give their states no hash.
+    // Trajectories of other programs have no state hash.
     if (settings.creator == gridlock::H5mdSettings{}.creator)
       fmt::print("  last state_hash {:016x}\n", last.state_hash);
   }
@@ -113,7 +113,7 @@ void print_trajectory(fs::path const& path) {
              settings.version);
 }
 
-/// A run in progress, or one that was stopped, has a log, and no summary yet.
+/// Prints the state of a run in progress or an interrupted run, which has a log but no summary.
 void print_unfinished_run(fs::path const& directory) {
   std::string const log = gridlock::read_file(directory / "run.log");
   std::size_t const end = log.find_last_not_of('\n');

@@ -9,7 +9,7 @@ namespace gridlock::cli {
 
 namespace {
 
-/// The processes that share the run, when all of them are there.
+/// Returns the processes that share the run, after all have called meet().
 AllProcesses met_processes(CrewOptions const* options) {
   if (options == nullptr) return {};
   options->set_processes_of_run(std::numeric_limits<std::size_t>::max());
@@ -17,7 +17,7 @@ AllProcesses met_processes(CrewOptions const* options) {
   return options->crew.processes();
 }
 
-/// Nobody waits for this process any more.
+/// Leaves the crew, so that no other process waits for this one.
 void part(CrewOptions const* options) {
   if (options != nullptr) options->crew.part();
 }

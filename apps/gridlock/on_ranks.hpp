@@ -10,9 +10,9 @@
 
 namespace gridlock::cli {
 
-/// Carries out a command of one run in all processes that share it: `work` is given them and returns the record of the
-/// run and its directory; the root then says how it has ended.
-/// Errors: those of `work`; RunFailure where another process cannot take part.
+/// Carries out a command on one run in all processes that share the run. `work` gets the processes and returns the
+/// record and directory of the run; the root then prints the result. Errors: those of `work`; RunFailure if another
+/// process cannot take part.
 ExitCode carry_out(CrewOptions const* options, RunOutput& output,
                    std::function<std::pair<gridlock::RunRecord, std::filesystem::path>(AllProcesses)> const& work);
 

@@ -33,7 +33,7 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
   bool const is_bounded = most < std::numeric_limits<std::uint64_t>::max();
   std::string const range = is_bounded ? fmt::format("from {} to {}", least, most) : fmt::format("at least {}", least);
   return {[=](std::string& text) {
-            // As in TOML, 10_000 is ten thousand.
+            // As in TOML, 10_000 means ten thousand.
             std::erase(text, '_');
             std::uint64_t number = 0;
             auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -41,7 +41,7 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
             if (!is_read || number < least || number > most) {
               return fmt::format("must be a whole number, {}, but is {}", range, text);
             }
-            // CLI11 would read "010" as octal.
+            // CLI11 would read "010" as an octal number.
             text = fmt::format("{}", number);
             return std::string();
           },
@@ -62,7 +62,7 @@ CLI::Validator one_of(std::vector<std::string> const& words) {
 
 void ConfigurationOptions::add_to(CLI::App& verb) {
   verb.add_option("FILE", file, "Configuration, TOML")->required();
-  // One value an option, so that what follows is never taken for another assignment.
+  // Each --set takes one value, so that a following word is not read as another assignment.
   verb.add_option("--set", assignments, "Set a value over the file's, as disks.packing_fraction=0.7")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);

@@ -30,7 +30,7 @@ bool is_program(fs::path const& path) {
   return fs::is_regular_file(path, ignored) && access(path.c_str(), X_OK) == 0;
 }
 
-/// Where programs are looked for. An empty entry of PATH is the directory that the user is in.
+/// Returns the directories of PATH. An empty entry means the working directory.
 std::vector<fs::path> directories() {
   std::vector<fs::path> found{program_directory(), installation() / "bin"};
   char const* const path = std::getenv("PATH");

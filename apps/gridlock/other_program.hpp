@@ -7,30 +7,28 @@
 
 namespace gridlock::cli {
 
-/// The directory of this program; /usr/bin where the system does not tell.
+/// Returns the directory of this program; /usr/bin if the system does not provide it.
 std::filesystem::path program_directory();
 
-/// The prefix of this program, whose bin and share are its own: the directory above the program's, or, where a wheel
-/// with its libraries keeps programs in PREFIX/lib/pythonX.Y/site-packages/gridlock.scripts, that prefix.
+/// Returns the prefix of the installation, with bin and share: the directory above the program's, or the prefix if a
+/// wheel keeps programs in PREFIX/lib/pythonX.Y/site-packages/gridlock.scripts.
 std::filesystem::path installation();
 
-/// The program `gridlock-WORD` in the directory of this program or in bin of its installation, else in the first
-/// directory of PATH that has one; empty where there is none, and for a word of anything but letters, digits, - and _.
+/// Returns the program `gridlock-WORD` in the directory of this program, the installation's bin or PATH; empty if there
+/// is none, or if the word has characters other than letters, digits, - and _.
 ///
-/// The prefix is `gridlock-` whatever this program is called: `plot` of a program with models of its own is the same
-/// gridlock-plot, and what somebody puts on the path serves every such program.
-/// A file that may not be executed, or that is none, is passed over, as a shell does.
+/// The prefix is always `gridlock-`, whatever the name of this program, so that programs with additional models find
+/// gridlock-plot and programs of users too. Files that are not executable are skipped, as in a shell.
 std::filesystem::path find_other_program(std::string const& word);
 
-/// The words of all such programs, each once, in alphabetical order. Cost: a walk through the directories of PATH.
+/// Returns the words of all programs gridlock-WORD, in alphabetical order. Cost: reads all directories of PATH.
 std::vector<std::string> other_programs();
 
-/// Where a command of Gridlock's own Python package comes from: "plot" and "paper" need different packages of others.
+/// Returns how to install the Python package for a command; "plot" and "paper" need different other packages.
 std::string python_package(std::string_view command);
 
-/// Becomes the program, with the arguments that follow its word: its output, exit code and signals are those of this
-/// process.
-/// Errors: Error where the system cannot start it.
+/// Replaces this process by the program, with the arguments after its word, so that output, exit code and signals are
+/// the program's. Errors: Error if the system cannot start the program.
 [[noreturn]] void become(std::filesystem::path const& program, std::vector<std::string> const& arguments);
 
 }  // namespace gridlock::cli

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double gigabyte = 1e9;
 
-/// A large run: minutes of work, or a gigabyte.
+/// Limits above which a run counts as large: minutes of work, or a gigabyte.
 constexpr double large_work = 1e9;  // in turns of an agent
 constexpr double large_bytes = gigabyte;
 
@@ -33,7 +33,7 @@ std::string bytes_text(double bytes) {
   return bytes >= gigabyte ? fmt::format("{:.1f} GB", bytes / gigabyte) : fmt::format("{:.0f} MB", bytes / 1e6);
 }
 
-/// "decompress: until_pressure = 1e-8"
+/// Returns a stage in words: "decompress: until_pressure = 1e-8".
 std::string in_words(StageSettings stage) {
   std::string text;
   std::string const settings = to_toml([&](SettingVisitor& visitor) { describe(stage, visitor); });
@@ -51,20 +51,20 @@ void print_stages(std::vector<StageSettings> const& stages) {
   for (std::size_t k = 0; k < stages.size(); ++k) fmt::print("  stage {}: {}\n", k + 1, in_words(stages[k]));
 }
 
-/// How far a simulation comes in a second.
+/// The speed of a simulation per second of processor time.
 struct Pace {
-  double time = 0.0;  ///< of the simulation
+  double time = 0.0;  ///< time of the simulation
   double pair_collisions = 0.0;
 };
 
-/// As far as it comes in two steps or so; nothing where it fails or does not come on.
+/// Measures the speed in at most two steps; returns nothing if a step fails or the time does not advance.
 std::optional<Pace> measured_pace(Simulation& simulation) {
   constexpr double patience = 2.0;  // in seconds
-  // Seconds of the processor: other programs may run beside this one.
+  // Processor time is measured, since other programs may compete for the cores.
   auto const since = [](std::clock_t begin) { return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC; };
   Pace pace;
   double seconds = 0.0;
-  // The first step makes what the others find.
+  // The first step builds the neighbour search and the caches, so the second step is measured too.
   for (int steps = 0; steps < 2 && seconds < patience; ++steps) {
     Clock const before = simulation.clock();
     auto const collisions = static_cast<double>(simulation.pair_collisions());
@@ -82,7 +82,7 @@ std::optional<Pace> measured_pace(Simulation& simulation) {
   return pace;
 }
 
-/// The time of a run, which ends at whichever of its lengths comes first, s.
+/// Returns the expected duration of a run in seconds; the run ends at the first of its lengths.
 double expected_seconds(RunSettings const& run, double time_step, std::size_t agents, Pace const& pace) {
   double seconds = std::numeric_limits<double>::infinity();
   if (run.steps) seconds = std::min(seconds, static_cast<double>(*run.steps) * time_step / pace.time);
@@ -93,7 +93,7 @@ double expected_seconds(RunSettings const& run, double time_step, std::size_t ag
   return seconds;
 }
 
-/// Bytes of one frame with the columns asked for, before it is compressed.
+/// Returns the bytes of a frame with the requested columns, before compression.
 double bytes_of_frame(AgentsView const& agents, std::string const& columns) {
   std::size_t bytes = sizeof(Id);
   for (std::size_t const place : chosen_columns(agents.names(), columns)) {
@@ -103,7 +103,7 @@ double bytes_of_frame(AgentsView const& agents, std::string const& columns) {
   return static_cast<double>(bytes) * static_cast<double>(agents.size());
 }
 
-/// The frames up to the end of a run, as far as its length in steps is known.
+/// Returns the number of frames until the end of a run, at most 10⁶ if its number of steps is unknown.
 double expected_frames(Setup const& setup) {
   constexpr double most = 1e6;
   TrajectorySettings const& trajectory = setup.configuration.trajectory;

@@ -4,9 +4,8 @@
 
 namespace gridlock::cli {
 
-/// Prints what a run will do, where one line does not say it: the stages of its protocol, and of a large run the
-/// memory, time and frames that are expected. Cost: of a large run two steps, or a few seconds of them, which it
-/// carries out.
+/// Prints the stages of a protocol, and for a large run estimates of memory, time and frames. Cost: for a large run up
+/// to two steps, or a few seconds, since the speed is measured.
 void print_outlook(Setup const& setup);
 
 }  // namespace gridlock::cli

@@ -15,7 +15,7 @@ namespace gridlock::cli {
 
 namespace {
 
-/// Longer than the pictures of ten million disks take.
+/// Time limit for drawing, above the time for pictures of ten million disks.
 constexpr std::chrono::minutes time_limit{10};
 
 }  // namespace

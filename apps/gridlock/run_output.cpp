@@ -20,10 +20,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Real time between two lines of JSON.
+/// Minimum wall-clock time between two lines of JSON, in seconds.
 constexpr double seconds_between_lines = 0.2;
 
-/// The observables a first look asks for; summary.json has all of them.
+/// The observables that are printed at the end of a run; summary.json has all of them.
 constexpr std::string_view headlines[] = {"mean_displacement", "mean_squared_displacement",
                                           "kinetic_energy",    "compressibility_factor",
                                           "wall_pressure",     "collision_rate",
@@ -34,7 +34,7 @@ void print_line(Json const& json) {
   std::fflush(stdout);
 }
 
-/// "stage 2 of 3, decompress"
+/// Returns a text such as "stage 2 of 3, decompress".
 std::string stage_text(gridlock::Preparation const& preparation) {
   return fmt::format("stage {} of {}, {}", preparation.finished + 1, preparation.stages, preparation.what);
 }
@@ -76,7 +76,7 @@ Json to_json(gridlock::Event const& event) {
           {"text", gridlock::to_text(event)}};
 }
 
-/// The first observables of the last sample that have a value, as far as they fit into a line.
+/// Returns the first two observables of the last sample that have a value, for the progress line.
 std::string sample_text(gridlock::Progress const& progress) {
   constexpr int most = 2;
   std::string text;
@@ -100,7 +100,7 @@ bool has_last_state(std::filesystem::path const& directory) {
   return std::filesystem::exists(directory / "final.xyz", ignored);
 }
 
-/// Whether a column is one that a model itself observes, and not one of the observables that any model can have.
+/// Returns whether a column belongs to a model, and is not an observable that all models may have.
 bool is_of_model(std::string_view name) {
   static std::vector<gridlock::ColumnInfo> const observed = gridlock::observed_columns();
   return std::ranges::find(observed, name, &gridlock::ColumnInfo::name) == observed.end();
@@ -110,14 +110,14 @@ bool is_headline(gridlock::NamedEstimate const& result) {
   return std::ranges::find(headlines, result.name) != std::end(headlines);
 }
 
-/// The columns that the model itself observes, and the headlines of the rest.
+/// Prints the means of the model's own columns, and the headlines among the other results.
 void print_results(gridlock::RunRecord const& record) {
   for (gridlock::NamedEstimate const& result : record.results) {
     if (is_of_model(result.name) || is_headline(result)) print_estimate(result);
   }
 }
 
-/// The work that was done: "2000 steps", "2 stages", "1 of 2 stages" or "2 stages and 2000 steps".
+/// Returns the completed work: "2000 steps", "2 stages", "1 of 2 stages" or "2 stages and 2000 steps".
 std::string work_text(gridlock::RunRecord const& record) {
   gridlock::Preparation const& preparation = record.preparation;
   std::string steps = fmt::format("{} steps", record.steps);
@@ -129,13 +129,13 @@ std::string work_text(gridlock::RunRecord const& record) {
   return record.steps == 0 ? stages : fmt::format("{} and {}", stages, steps);
 }
 
-/// The time of a protocol is no time of steps.
+/// Returns the rate of steps; empty after a protocol, since the time includes its stages.
 std::string rate_text(gridlock::RunRecord const& record) {
   if (record.preparation.stages > 0) return "";
   return fmt::format(" ({}agent-steps/s)", count_text(record.agent_steps_per_second()));
 }
 
-/// How to continue, unless another process has taken the run over meanwhile. A stage that failed fails again.
+/// Returns how to continue the run. A failed stage would fail again, and files of the run may have been removed.
 std::string resume_text(gridlock::RunRecord const& record, std::filesystem::path const& directory) {
   std::error_code ignored;
   if (!std::filesystem::exists(directory / "config.resolved.toml", ignored)) {
@@ -189,7 +189,7 @@ void RunOutput::print_progress(gridlock::Progress const& progress) {
   } else if (is_quiet_) {
     return;
   } else if (!progress.preparation.what.empty()) {
-    // Nothing is known of how long a stage takes.
+    // The duration of a stage is unknown, so no remaining time is shown.
     line_->show(progress.fraction, stage_text(progress.preparation) + "  " + duration_text(progress.seconds));
   } else {
     line_->show(progress.fraction, progress.seconds,

@@ -12,15 +12,15 @@
 
 namespace gridlock::cli {
 
-/// The output of the commands that carry out one run, during the run and when it has ended.
+/// Prints the progress and the result of a single run.
 class RunOutput {
  public:
   void add_to(CLI::App& verb);
 
-  /// Shows progress and notes, and asks the run to end when the user does.
+  /// Returns hooks that show progress and notes, and stop the run when the user asks for it.
   [[nodiscard]] gridlock::RunHooks hooks();
 
-  /// Draws the pictures where they were asked for, and says how the run has ended.
+  /// Draws the pictures if requested, prints the result of the run and returns the exit code.
   [[nodiscard]] ExitCode finish(gridlock::RunRecord const& record, std::filesystem::path const& directory);
 
  private:
@@ -31,8 +31,8 @@ class RunOutput {
   bool is_quiet_ = false;
   bool is_verbose_ = false;
   bool writes_json_ = false;
-  double last_json_ = -1.0;  ///< seconds into the run
-  // During the run.
+  double last_json_ = -1.0;  ///< time of the last line of JSON, in seconds since the start
+  // These two exist only during the run.
   std::optional<StopSignals> signals_;
   std::optional<ProgressLine> line_;
 };

@@ -36,7 +36,7 @@ struct SweepOptions {
   SweepCrew* crew = nullptr;
 };
 
-/// "2/8" as a shard.
+/// Returns the shard for a text such as "2/8"; nothing for an empty text.
 std::optional<gridlock::Shard> shard_of(std::string const& text) {
   if (text.empty()) return std::nullopt;
   gridlock::Shard shard;
@@ -55,7 +55,7 @@ std::optional<gridlock::Shard> shard_of(std::string const& text) {
   return shard;
 }
 
-/// Runs of other shards are not begun here, and are no failure of this one.
+/// Prints the result of a shard. Runs of other shards are not carried out, which is no failure.
 ExitCode finish_shard(gridlock::Shard const& shard, std::size_t all, gridlock::SweepResult const& result,
                       std::filesystem::path const& directory) {
   std::size_t const ours = (all + shard.count - shard.number) / shard.count;
@@ -66,7 +66,7 @@ ExitCode finish_shard(gridlock::Shard const& shard, std::size_t all, gridlock::S
   return result.failures == 0 && open == 0 ? ExitCode::good : ExitCode::run_failed;
 }
 
-/// The values of a run without its seed: runs that differ in the seed alone have them in common.
+/// Returns the swept values of a run without its seed, by which runs that differ only in the seed are recognized.
 std::vector<std::string> values_but_seed(SweepPlan const& plan, std::string const& name) {
   auto const run = std::ranges::find(plan.runs, name, &SweepRun::name);
   if (run == plan.runs.end()) return {name};
@@ -77,13 +77,13 @@ std::vector<std::string> values_but_seed(SweepPlan const& plan, std::string cons
   return values;
 }
 
-/// Prints what runs of a sweep failed of, "seed=1: why": once where other seeds failed of the same but for its numbers.
+/// Prints failures as "seed=1: why". Runs whose reasons differ only in digits and seeds share one line.
 void print_failures(SweepPlan const& plan, std::vector<std::string> const& messages) {
   struct Group {
     std::vector<std::string> values;
-    std::string reason;  ///< without digits
+    std::string reason;  ///< message without the name of the run and without digits
     std::string message;
-    std::vector<std::string> others = {};  ///< the names of further runs
+    std::vector<std::string> others = {};  ///< names of further runs with this reason
   };
   std::vector<Group> groups;
   for (std::string const& message : messages) {
@@ -131,7 +131,7 @@ ExitCode sweep(SweepOptions const& options) {
                                    .crew = options.crew,
                                    .settings_file = options.configuration.file});
   }
-  // The leader has the results and says what came out.
+  // Only the leader has the results and prints them.
   if (options.crew != nullptr && !options.crew->leads()) return ExitCode::good;
   if (!options.is_quiet) {
     for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
@@ -160,7 +160,7 @@ ExitCode sweep(SweepOptions const& options) {
   return ExitCode::run_failed;
 }
 
-/// One thread of a rank takes orders while another one carries out a run with other ranks.
+/// Throws if MPI allows only one thread, but a rank must exchange messages while it carries out a shared run.
 void require_threads_that_send(CrewOptions const& crew, SweepOptions const& options) {
   if (options.processes_of_run == 1 || crew.has_threads_that_send) return;
   throw gridlock::Error({.what = "this MPI lets only one thread of each rank send messages (no MPI_THREAD_MULTIPLE)",

@@ -15,14 +15,14 @@ namespace gridlock::cli {
 
 namespace {
 
-/// SIGUSR1 is what mpirun hands on without killing anybody.
+/// Signals that ask to stop; mpirun passes SIGUSR1 on to its ranks without ending them.
 constexpr int asking_to_stop[] = {SIGINT, SIGTERM, SIGUSR1};
 
-/// When the first one came, in milliseconds; 0: none has come.
+/// Time of the first request to stop, in milliseconds; 0 if there is none.
 std::atomic<std::int64_t> time_of_first = 0;
 static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a handler of signals may not wait");
 
-/// A scheduler tells all processes of a job to stop, and mpirun tells its ranks once more.
+/// Signals within this time, in milliseconds, count as one, since schedulers and mpirun may both send one.
 constexpr std::int64_t same_request = 500;
 
 std::int64_t milliseconds_now() {
@@ -35,7 +35,7 @@ void remember(int signal) {
   std::int64_t const now = milliseconds_now();
   std::int64_t first = 0;
   if (time_of_first.compare_exchange_strong(first, now) || now - first < same_request) return;
-  // The next one is meant seriously.
+  // A later signal ends the program at once, by the default handler.
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -90,7 +90,7 @@ void ProgressLine::show(double fraction, std::string const& what) {
   auto const now = Clock::now();
   double const waited = std::chrono::duration<double>(now - last_time_).count();
   bool const is_done = fraction >= 1.0;
-  // A line for the end alone would say nothing that the summary does not.
+  // At the end a line is redrawn only if one is open, since the summary follows.
   bool const is_due = is_terminal_
                           ? waited >= 0.2 || (is_done && is_line_open_)
                           : waited >= 30.0 || (waited >= 1.0 && (is_first_ || fraction - last_fraction_ >= 0.1));

@@ -5,8 +5,8 @@
 
 namespace gridlock::cli {
 
-/// Stops work politely: Ctrl-C, SIGTERM and SIGUSR1 are remembered, and the work asks at every chunk. A signal
-/// half a second later or more ends the program at once.
+/// Handles requests to stop. Ctrl-C, SIGTERM and SIGUSR1 are recorded, and the work checks for them after each chunk. A
+/// second signal at least half a second later ends the program at once.
 class StopSignals {
  public:
   StopSignals();
@@ -14,16 +14,16 @@ class StopSignals {
   StopSignals(StopSignals const&) = delete;
   StopSignals& operator=(StopSignals const&) = delete;
 
-  /// Keeps requests to stop that come before there is one of these, for it.
+  /// Keeps requests to stop until the first StopSignals exists, which then receives them.
   static void keep_until_begun();
 
   [[nodiscard]] static bool is_stop_asked();
-  /// As a signal does.
+  /// Requests a stop, as a signal does.
   static void ask_to_stop();
 };
 
-/// Shows how far the work has come, on standard error: one line redrawn a few times a second on a terminal, a plain
-/// line after a second, and then every ten percent or half minute, where the output goes to a file or pipe.
+/// Shows progress on standard error. A terminal gets a line that is redrawn a few times a second; a file or pipe gets a
+/// new line after a second, and then for every ten percent or half a minute.
 class ProgressLine {
  public:
   ProgressLine();
@@ -31,9 +31,9 @@ class ProgressLine {
   ProgressLine(ProgressLine const&) = delete;
   ProgressLine& operator=(ProgressLine const&) = delete;
 
-  /// `what` is the part between the percentage and the time left, such as the rate.
+  /// Shows the fraction in percent, then `what`, such as the rate, then the remaining time.
   void show(double fraction, double seconds, std::string const& what);
-  /// Without the time left.
+  /// Shows the fraction in percent and `what`, without the remaining time.
   void show(double fraction, std::string const& what);
 
  private:
@@ -41,15 +41,15 @@ class ProgressLine {
 
   bool is_terminal_;
   bool is_line_open_ = false;
-  bool is_first_ = true;  ///< nothing has been shown yet
+  bool is_first_ = true;  ///< whether no line has been shown yet
   double last_fraction_ = 0.0;
   Clock::time_point last_time_;
 };
 
-/// 93 s → "1 min 33 s".
+/// Returns a duration as text: 93 s → "1 min 33 s".
 std::string duration_text(double seconds);
 
-/// 12'345'678.0 → "12.3 M".
+/// Returns a count with a prefix: 12'345'678.0 → "12.3 M".
 std::string count_text(double count);
 
 }  // namespace gridlock::cli

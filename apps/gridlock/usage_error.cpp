@@ -32,8 +32,8 @@ std::vector<std::string> long_names(CLI::App const& verb) {
   return names;
 }
 
-/// The name that a user gives an option: "time-step" for --time-step, and "threads" for -j, which means --threads in
-/// other commands.
+/// Returns the name of an option without dashes: "time-step" for --time-step; "threads" for -j, which is short for
+/// --threads in other commands.
 std::string name_of(CLI::App const& verb, std::string const& option) {
   std::string name = option.substr(option.find_first_not_of('-'));
   if (name.size() > 1) return name;
@@ -44,7 +44,7 @@ std::string name_of(CLI::App const& verb, std::string const& option) {
   return name;
 }
 
-/// The setting whose key, or the last part of whose key, is a name or nearly so; empty where there is none.
+/// Returns the setting whose key, or last part of the key, equals or resembles a name; empty if there is none.
 std::string setting_like(std::string_view name) {
   Configuration configuration;
   std::vector<std::string> const keys = setting_keys(describing(configuration));
@@ -55,7 +55,7 @@ std::string setting_like(std::string_view name) {
   return found == last_parts.end() ? "" : keys[static_cast<std::size_t>(found - last_parts.begin())];
 }
 
-/// `--time-step 0.1` for a command that has no such option.
+/// Returns the problem of an option that the command lacks, as `--time-step 0.1`.
 Problem unknown_option(CLI::App const& verb, std::vector<std::string> const& extras) {
   std::string_view const word = extras.front();
   std::size_t const equals = word.find('=');
@@ -75,7 +75,7 @@ Problem unknown_option(CLI::App const& verb, std::vector<std::string> const& ext
   return {.what = fmt::format("{} has no option {}", command(verb), option), .hint = hint, .key = option};
 }
 
-/// A word that no positional argument is left for.
+/// Returns the problem of a word for which the command has no further positional argument.
 Problem extra_word(CLI::App const& verb, std::string const& word) {
   std::vector<std::string> places;
   for (CLI::Option const* option : verb.get_options()) {
@@ -89,7 +89,7 @@ Problem extra_word(CLI::App const& verb, std::string const& word) {
           .hint = hint};
 }
 
-/// The words of CLI11 on an option by its name: "--to: 1 required TEXT missing".
+/// Returns the problem of a missing or repeated value; CLI11 reports it as "--to: 1 required TEXT missing".
 Problem wrong_number_of_values(CLI::App const& verb, std::string const& said) {
   std::string const name = said.substr(0, said.find(':'));
   CLI::Option const* const option = verb.get_option_no_throw(name);
@@ -101,7 +101,7 @@ Problem wrong_number_of_values(CLI::App const& verb, std::string const& said) {
   return {.what = what, .hint = fmt::format("{} --help lists the options", command(verb)), .key = name};
 }
 
-/// A flag that was given a word, or an option whose value is none of its kind: "Could not convert: --pictures = maybe".
+/// Returns the problem of a flag with a value or a value of the wrong type: "Could not convert: --pictures = maybe".
 Problem wrong_value(CLI::App const& verb, std::string_view said) {
   std::size_t const dashes = std::min(said.find("--"), said.size());
   std::string_view const rest = said.substr(dashes);
@@ -116,7 +116,7 @@ Problem wrong_value(CLI::App const& verb, std::string_view said) {
   return {.what = what, .hint = help_of(verb), .key = name};
 }
 
-/// "--to: must be xyz, vtk or csv, but is foo" of our validators, without the colon.
+/// Returns the problem that a validator reported, as "--to: must be xyz, vtk or csv, but is foo".
 Problem refused_value(CLI::App const& verb, std::string const& said) {
   std::size_t const colon = said.find(": ");
   if (colon == std::string::npos) return {.what = said, .hint = help_of(verb)};
@@ -124,13 +124,13 @@ Problem refused_value(CLI::App const& verb, std::string const& said) {
   return {.what = fmt::format("{} {}", name, said.substr(colon + 2)), .hint = help_of(verb), .key = name};
 }
 
-/// "FILE is required".
+/// Returns the problem of a missing argument, which CLI11 reports as "FILE is required".
 Problem missing_argument(CLI::App const& verb, std::string const& said) {
   std::string const name = said.substr(0, said.find(' '));
   return {.what = fmt::format("{} needs {}", command(verb), name), .hint = help_of(verb), .key = name};
 }
 
-/// "--quiet excludes --verbose".
+/// Returns the problem of two conflicting options, which CLI11 reports as "--quiet excludes --verbose".
 Problem opposed_options(CLI::App const& verb, std::string const& said) {
   constexpr std::string_view middle = " excludes ";
   std::size_t const at = said.find(middle);

@@ -8,8 +8,8 @@
 
 namespace gridlock::cli {
 
-/// The problem of a command line that CLI11 refused, with a hint: the setting that was meant, the option or command
-/// with nearly the same name, or where the help is.
+/// Returns the problem of a command line that CLI11 refused. The hint names the intended setting, an option or command
+/// with a similar name, or the help.
 Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word);
 
 }  // namespace gridlock::cli
