@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Displacements of agents in a trajectory, for each lag, over all time origins.
+/// \file
+/// Displacements of agents in a trajectory, for each lag, over all time origins.
 ///
 /// ```cpp
 /// std::vector<double> const positions{0.0, 0.0, 0.1, 0.0, 0.2, 0.0};  // one agent in three frames
@@ -24,7 +25,7 @@ struct TrajectoryInMemory {
   double const* positions = nullptr;  ///< x of agent i in frame f is positions[2 (f · agents + i)], y the next number
   std::size_t frames = 0;
   std::size_t agents = 0;
-  std::span<double const> times;              ///< one for each frame, ascending
+  std::span<double const> times;              ///< time of each frame, ascending
   std::span<std::uint32_t const> kinds = {};  ///< one for each agent, 0, 1, 2 … without gaps; empty: one kind
 };
 
@@ -46,7 +47,7 @@ struct DynamicsOfKind {
 };
 
 struct Dynamics {
-  std::vector<double> lag;                         ///< ascending, above 0
+  std::vector<double> lag;                         ///< time lags, ascending, above 0
   std::vector<std::uint64_t> origins;              ///< number of pairs of frames with each lag
   std::vector<std::uint64_t> independent_origins;  ///< number of these pairs whose intervals do not overlap
   std::vector<DynamicsOfKind> kinds;

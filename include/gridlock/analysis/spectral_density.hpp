@@ -1,7 +1,7 @@
 #pragma once
 
-/// \file The spectral density of disks of any sizes in a periodic box, which shows how evenly they fill it at each
-/// length.
+/// \file
+/// The spectral density of disks of any sizes in a periodic box, which shows how evenly they fill it at each length.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.25, 0.75};

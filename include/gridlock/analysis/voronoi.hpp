@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The Voronoi cells of points, their areas and neighbours, and the bond orientation order of each point.
+/// \file
+/// The Voronoi cells of points, their areas and neighbours, and the bond orientation order of each point.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.25, 0.75, 0.25, 0.75};

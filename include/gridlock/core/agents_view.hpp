@@ -43,9 +43,9 @@ class AgentsView {
   [[nodiscard]] bool empty() const { return ids_.empty(); }
   [[nodiscard]] std::span<Id const> ids() const { return ids_; }
 
-  /// All columns by name, in the order they are declared.
+  /// Returns all columns with their names, in the order they are declared.
   [[nodiscard]] std::span<std::pair<std::string_view, Values> const> columns() const { return columns_; }
-  /// The names of all columns, in the order they are declared.
+  /// Returns the names of all columns, in the order they are declared.
   [[nodiscard]] std::vector<std::string_view> names() const {
     std::vector<std::string_view> names;
     for (auto const& column : columns_) names.push_back(column.first);

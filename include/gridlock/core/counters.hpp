@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// Engines and models count the events of a run.
+/// Counters of the events of a run, which engines and models update.
 ///
 /// ```cpp
 /// Counters counters;

@@ -66,7 +66,7 @@ inline Vector velocity(Disks const& disks, std::size_t i) {
   return {disks.column<VelocityX>()[i], disks.column<VelocityY>()[i]};
 }
 
-/// The radius of the largest and of the smallest disk; 0 for no disks.
+/// The smallest and the largest radius; 0 for no disks.
 struct RadiusRange {
   double smallest = 0.0;
   double largest = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The two errors that the library throws: Error for wrong input, RunFailure for a run that cannot continue.
+/// \file
+/// The two errors that the library throws: Error for wrong input, RunFailure for a run that cannot continue.
 ///
 /// ```cpp
 /// try {
@@ -35,7 +36,7 @@ std::string to_text(Problem const& problem);
 class Error : public std::runtime_error {
  public:
   explicit Error(Problem problem);
-  /// Requires at least one problem.
+  /// Contract: at least one problem.
   explicit Error(std::vector<Problem> problems);
 
   [[nodiscard]] std::vector<Problem> const& problems() const { return problems_; }

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file A frame: all agents with all columns at one step, as files store them.
+/// \file
+/// A frame: all agents with all columns at one step, as files store them.
 ///
 /// ```cpp
 /// #include "gridlock/core/disks.hpp"

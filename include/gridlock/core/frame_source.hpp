@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file A frame that is read in pieces, so that it need not fit into memory.
+/// \file
+/// A frame that is read in pieces, so that it need not fit into memory.
 ///
 /// ```cpp
 /// auto const largest_x = [](FrameSource const& frame) {

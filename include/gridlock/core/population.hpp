@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Agents in columns. An Id names the same agent for its whole life, while its row may change.
+/// \file
+/// Agents in columns. An Id names the same agent for its whole life, while its row may change.
 ///
 /// ```cpp
 /// struct Age {

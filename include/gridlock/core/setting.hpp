@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file A struct describes its settings: the key, unit, bounds and documentation of each.
+/// \file
+/// A struct describes its settings: the key, unit, bounds and documentation of each.
 ///
 /// ```cpp
 /// struct Gas {
@@ -28,7 +29,7 @@ namespace gridlock {
 struct SettingInfo {
   std::string_view key;            ///< without the table, for example "packing_fraction"
   std::string_view unit;           ///< empty for pure numbers and words
-  std::string_view documentation;  ///< one sentence
+  std::string_view documentation;  ///< one sentence on what the setting does
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool min_is_allowed = true;  ///< whether the setting may equal `min`

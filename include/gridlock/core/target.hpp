@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The vector instructions of the processor that kernels use.
+/// \file
+/// The vector instructions of the processor that kernels use.
 ///
 /// ```cpp
 /// std::string const instructions = to_text(target());  // "avx512", "avx2", "sse4", "neon" or "scalar"

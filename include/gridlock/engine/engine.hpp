@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Engines advance a world: their interface, their settings and the list of them.
+/// \file
+/// Engines advance a world: their interface, their settings and the list of them.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -128,7 +129,7 @@ class Engine : public EngineFor<HardDisks> {
 
 /// The properties of an engine. Other code uses this record, and never compares the name of an engine.
 struct EngineRecord {
-  std::string_view name;           ///< engine.kind
+  std::string_view name;           ///< name of the engine, the value of engine.kind
   std::string_view documentation;  ///< a description, which is printed after the name
   bool has_time_step = true;       ///< false: it is event-driven, and a run can end within a step
   bool uses_threads = false;

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Hard disks that grow while they move, until they reach a packing fraction or a pressure.
+/// \file
+/// Hard disks that grow while they move, until they reach a packing fraction or a pressure.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -98,7 +99,7 @@ class Growth {
 
   GrowthSettings settings_;
   double temperature_ = 0.0;                   // temperature kT of the start
-  double diameter_rate_ = 0.0;                 // dD/dt of the smallest disk
+  double diameter_rate_ = 0.0;                 // dD/dt of the smallest diameter
   std::uint64_t hits_per_rescaling_ = 0;       // pair collisions of all disks
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr before the first advance() and after the end
   std::unique_ptr<exact::LeftState> left_;

@@ -1,7 +1,7 @@
 #pragma once
 
-/// \file Swap Monte Carlo: brings hard disks of many sizes to equilibrium at densities at which their dynamics is too
-/// slow.
+/// \file
+/// Swap Monte Carlo: brings hard disks of many sizes to equilibrium at densities at which their dynamics is too slow.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"

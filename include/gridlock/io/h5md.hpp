@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Trajectories in H5MD: writing, reading and export.
+/// \file
+/// Trajectories in H5MD: writing, reading and export.
 ///
 /// ```cpp
 /// H5mdReader const trajectory("trajectory.h5");
@@ -36,11 +37,11 @@ struct H5mdSettings {
   std::string agents = "disks";  ///< name of the group in /particles
   std::string configuration;     ///< resolved configuration of the run, TOML
   std::string version;           ///< version of the program that writes it
-  std::string author;            ///< empty: "N/A"
+  std::string author;            ///< author of the run; empty: "N/A"
   std::vector<H5mdObservable> observables;
   /// Names of the values 0, 1, 2 … of a column, by the name of the column.
   std::map<std::string, std::vector<std::string>> value_names = {};
-  std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
+  std::uint64_t compression = 1;  ///< of values, 0: none, 1: fastest … 9: smallest
   /// The contacts of a start that is a packing; only for writing, see H5mdReader::contacts().
   std::optional<FrameContacts> contacts = {};
   std::string creator = "gridlock";        ///< the program that wrote it; empty if unknown
@@ -51,7 +52,7 @@ struct H5mdSettings {
 struct H5mdFrame {
   Frame frame;
   std::vector<double> observables;  ///< one for each of H5mdSettings::observables; nan if not measured at this step
-  std::uint64_t state_hash = 0;     ///< of the whole state, even if the frame has only some columns
+  std::uint64_t state_hash = 0;     ///< state hash of the whole state, even if the frame has only some columns
 };
 
 /// Writes a trajectory in H5MD 1.1, the open standard on top of HDF5, a frame at a time.
@@ -160,7 +161,7 @@ std::string note_on_left_out(std::filesystem::path const& path, H5mdSettings con
 ///     "csv"   one row for each agent of each frame: step, time, id and the columns
 struct ExportSettings {
   std::string format = "xyz";
-  std::filesystem::path file;  ///< with the extension .xyz, .pvd or .csv
+  std::filesystem::path file;  ///< file to write, with the extension .xyz, .pvd or .csv
   std::size_t every = 1;       ///< exports one of so many frames
 };
 

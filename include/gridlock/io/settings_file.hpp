@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Settings in TOML: reading, checks, explanations and writing.
+/// \file
+/// Settings in TOML: reading, checks, explanations and writing.
 ///
 /// ```cpp
 /// SettingsFile file = SettingsFile::from_path("gas.toml");

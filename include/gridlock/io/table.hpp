@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Tables with named columns, which are written and read as CSV.
+/// \file
+/// Tables with named columns, which are written and read as CSV.
 ///
 /// ```cpp
 /// Table table;

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file States in files of extended XYZ.
+/// \file
+/// States in files of extended XYZ.
 ///
 /// ```cpp
 /// State const state = read_xyz("final.xyz").state;

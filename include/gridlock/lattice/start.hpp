@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Starts of hard disks: positions on a square or triangular lattice or at random, and first velocities.
+/// \file
+/// Starts of hard disks: positions on a square or triangular lattice or at random, and first velocities.
 ///
 /// ```cpp
 /// DisksSettings const disks{.count = 100, .packing_fraction = 0.5, .start = StartKind::triangular};
@@ -152,8 +153,8 @@ struct LatticeFit {
     std::uint64_t odd_length = 1;   ///< sites in rows 1, 3, 5 …
     Vector spacing;
     Vector corner;              ///< corner of the box at which the rows begin
-    Vector offset;              ///< of the first site from the corner, in spacings
-    double shift_of_odd = 0.0;  ///< of rows 1, 3, 5 …, in spacings
+    Vector offset;              ///< position of the first site from the corner, in spacings
+    double shift_of_odd = 0.0;  ///< shift of rows 1, 3, 5 …, in spacings
     bool is_turned = false;
   };
 

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Sums over the agents of a world, which several processes may share.
+/// \file
+/// Sums over the agents of a world, which several processes may share.
 ///
 /// ```cpp
 /// #include "gridlock/core/disks.hpp"

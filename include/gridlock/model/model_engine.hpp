@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The engine that steps a model, and the members that a model has.
+/// \file
+/// The engine that steps a model, and the members that a model has.
 ///
 /// ```cpp
 /// struct Walkers {
@@ -302,7 +303,7 @@ class ModelEngine final : public EngineFor<Model> {
   AgentsInCellOrder<Model> order_;
   PackedGrid grid_;
   std::vector<DeferredCommands<Model>> commands_;
-  TurnsInTiles<Model> turns_;          ///< tiled
+  TurnsInTiles<Model> turns_;          ///< used by tiled models
   std::vector<Tiling::Round> rounds_;  ///< tiled: planned for threads_of_rounds_ threads
   std::size_t threads_of_rounds_ = 0;
   CellLayout layout_of_rounds_;

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file A turn: the functions with which an agent reads its neighbours and changes itself in a step.
+/// \file
+/// A turn: the functions with which an agent reads its neighbours and changes itself in a step.
 ///
 /// ```cpp
 /// struct Walkers {

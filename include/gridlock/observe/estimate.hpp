@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Means with standard errors, from blocks of samples or from a series of unknown length.
+/// \file
+/// Means with standard errors, from blocks of samples or from a series of unknown length.
 ///
 /// ```cpp
 /// std::vector<Block> const blocks{{.sum = 1.1, .weight = 1.0}, {.sum = 0.9, .weight = 1.0}};

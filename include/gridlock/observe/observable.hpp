@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Observables measure quantities of a run: their interface, settings and list.
+/// \file
+/// Observables measure quantities of a run: their interface, settings and list.
 ///
 /// ```cpp
 /// State state{.box = Box(1.0, 1.0, Edge::wall)};

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The pairs of agents of a snapshot that are nearer than a cutoff.
+/// \file
+/// The pairs of agents of a snapshot that are nearer than a cutoff.
 ///
 /// ```cpp
 /// State state{.box = Box(4.0, 3.0, Edge::periodic)};

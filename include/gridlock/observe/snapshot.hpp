@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file A snapshot gives observables the agents of a world, and sums over all of its agents.
+/// \file
+/// A snapshot gives observables the agents of a world, and sums over all of its agents.
 ///
 /// ```cpp
 /// State state{.box = Box(2.0, 1.0, Edge::wall)};

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The contacts of a packing: its backbone, its rattlers, and its energy, pressure and forces.
+/// \file
+/// The contacts of a packing: its backbone, its rattlers, and its energy, pressure and forces.
 ///
 /// ```cpp
 /// Packing const packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.3, 0.45}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};
@@ -34,7 +35,7 @@ inline constexpr double min_energy_of_a_disk = 1e-16;
 /// order of −p (−4p for a square lattice); rounding can give eigenvalues between this bound and 0.
 constexpr double min_eigenvalue_of_a_minimum(double pressure) { return -(0.1 * pressure + 1e-14); }
 
-/// The contacts of a packing.
+/// The contacts of a packing and their sums.
 ///
 /// A *rattler* has fewer than three contacts with disks of the backbone or with walls. Rattlers are removed until none
 /// is left; the rest is the *backbone*: N₀ disks with N_c contacts among themselves and with walls. Energies are in ε,
@@ -62,7 +63,7 @@ struct ContactNetwork {
   double rounding_residual =
       0.0;  ///< part of residual_force from rounding of positions: 2⁻⁴⁹ L/(D δ̄), L the longer side, δ̄ the mean
             ///< overlap; at most 10⁻³
-  double smallest_diameter = 0.0;  ///< D
+  double smallest_diameter = 0.0;  ///< the smallest diameter D
 
   [[nodiscard]] std::size_t size() const { return is_rattler.size(); }
   /// Returns Z = 2 N_c / N₀; NaN without a backbone.
@@ -107,7 +108,7 @@ std::vector<Contact> find_gaps(Packing const& packing, ContactNetwork const& net
 /// A contact force of the backbone over the mean contact force of the backbone.
 struct RelativeForce {
   std::size_t contact = 0;     ///< index in ContactNetwork::contacts
-  double force = 0.0;          ///< f/⟨f⟩
+  double force = 0.0;          ///< contact force over its mean, f/⟨f⟩
   bool is_of_buckler = false;  ///< whether one of its disks is a buckler: it has exactly three contacts
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The elastic moduli of a packing and its softest mode.
+/// \file
+/// The elastic moduli of a packing and its softest mode.
 ///
 /// ```cpp
 /// Packing const packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.3, 0.45}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};

@@ -1,7 +1,7 @@
 #pragma once
 
-/// \file Minimizes the energy of soft disks: steepest descent, then the quasi-Newton method L-BFGS, then Newton's
-/// method.
+/// \file
+/// Minimizes the energy of soft disks: steepest descent, then the quasi-Newton method L-BFGS, then Newton's method.
 ///
 /// ```cpp
 /// Packing const start{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.3, 0.45}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};

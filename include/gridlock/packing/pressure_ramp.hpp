@@ -1,7 +1,7 @@
 #pragma once
 
-/// \file Decompression and compression of soft disks to a pressure, and the packing fraction at which the pressure
-/// vanishes.
+/// \file
+/// Decompression and compression of soft disks to a pressure, and the packing fraction at which the pressure vanishes.
 ///
 /// ```cpp
 /// Packing start{.box = Box(1.0, std::sqrt(3.0) / 2.0, Edge::periodic), .x = {}, .y = {}, .radius = {}};
@@ -41,7 +41,7 @@ struct PressureRampSettings {
   static constexpr std::uint64_t max_levels_per_decade = 20;  ///< levels that are nearer count as one
   static constexpr double min_step = 1e-7;
   static constexpr double max_step = 0.1;
-  static constexpr double max_levels = 1e6;  ///< between two packing fractions
+  static constexpr double max_levels = 1e6;  ///< largest number of levels between two packing fractions
 
   MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< pressure P D²/ε at the end
@@ -56,15 +56,15 @@ struct PressureLevel {
   double pressure = 0.0;  ///< P D²/ε, D the smallest diameter
   double energy = 0.0;    ///< energy of all disks, in ε
   double residual = 0.0;
-  std::uint64_t iterations = 0;                                      ///< of the minimizer since the last level
+  std::uint64_t iterations = 0;                                      ///< iterations of the minimizer since the last
+                                                                     ///< level
   std::uint64_t backbone_disks = 0;                                  ///< N₀
   std::uint64_t backbone_contacts = 0;                               ///< N_c
   double contact_number = std::numeric_limits<double>::quiet_NaN();  ///< 2 N_c/N₀; NaN without a backbone
   double excess_contacts = 0.0;  ///< N_c − [2(N₀ − 1) + 1], with walls N_c − (2 N₀ + 1); a whole number
-  double bulk_modulus = std::numeric_limits<double>::quiet_NaN();   ///< in ε/D²; NaN if there is none
-  double shear_modulus = std::numeric_limits<double>::quiet_NaN();  ///< ⟨G⟩, the mean over all directions
-  double least_shear_modulus =
-      std::numeric_limits<double>::quiet_NaN();  ///< below 0: the packing is unstable against shear
+  double bulk_modulus = std::numeric_limits<double>::quiet_NaN();         ///< in ε/D²; NaN if there is none
+  double shear_modulus = std::numeric_limits<double>::quiet_NaN();        ///< ⟨G⟩, the mean over all directions
+  double least_shear_modulus = std::numeric_limits<double>::quiet_NaN();  ///< of the softest shear; below 0: unstable
   /// φ − u/(du/dφ) with u = p^(1/(α−1)) and the slope since the last minimum; NaN at the first minimum.
   double jamming_packing_fraction = std::numeric_limits<double>::quiet_NaN();
 };
@@ -150,7 +150,7 @@ class PressureRamp {
   RampStatus status_ = RampStatus::running;
   bool has_minimum_ = false;
   double first_pressure_ = 0.0;
-  double packing_fraction_ = 0.0;  ///< of good_, as pressure_ and slope_
+  double packing_fraction_ = 0.0;  ///< packing fraction of good_; pressure_ and slope_ too belong to good_
   double pressure_ = 0.0;
   double slope_ = 0.0;          ///< du/dφ
   double goal_ = 0.0;           ///< the pressure of the next level

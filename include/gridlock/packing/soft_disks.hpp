@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Soft disks, which repel each other if they overlap: packings, their contacts and energy.
+/// \file
+/// Soft disks, which repel each other if they overlap: packings, their contacts and energy.
 ///
 /// ```cpp
 /// Packing const packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.3, 0.45}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};

@@ -40,7 +40,7 @@ class Communicator {
   /// Returns the number of this process; 0 is the root.
   [[nodiscard]] virtual std::size_t rank() const = 0;
   [[nodiscard]] virtual std::size_t count() const = 0;
-  /// Sends a message and does not wait until it has arrived.
+  /// Sends a message to a rank, without waiting for its arrival.
   virtual void send(std::size_t to, Message message) = 0;
   /// Waits for the next message from a rank, and returns it.
   virtual Message receive(std::size_t from) = 0;

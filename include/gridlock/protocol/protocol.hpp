@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file A protocol: stages that change disks from a start to a fluid, to a jammed packing or back.
+/// \file
+/// A protocol: stages that change disks from a start to a fluid, to a jammed packing or back.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -34,7 +35,7 @@ struct ProtocolSettings {
   std::vector<StageSettings> stages;
   SoftSettings soft = {};
   double time_step = 1.0;     ///< physical time of a step of the clock, for hard disks
-  std::uint64_t threads = 1;  ///< for soft disks; 0: one for each core
+  std::uint64_t threads = 1;  ///< threads for soft disks; 0: one for each core
 };
 
 /// The results of swap Monte Carlo, see SwapReport and SwapCorrelation.
@@ -45,7 +46,7 @@ struct SwapResult {
   std::optional<double> bond_relaxation_time = {};
   std::optional<double> relaxation_times = {};
   bool is_equilibrated = false;
-  std::vector<double> lags = {};  ///< in sweeps
+  std::vector<double> lags = {};  ///< lags in sweeps
   std::vector<double> self_overlap = {};
   std::vector<double> bond_orientation = {};
 };
@@ -66,7 +67,7 @@ struct StageResult {
   std::optional<bool> is_jammed = {};
   double disks = 0.0;
   std::uint64_t work = 0;                   ///< iterations, events or trial moves
-  std::uint64_t pair_collisions = 0;        ///< of moving hard disks
+  std::uint64_t pair_collisions = 0;        ///< pair collisions of moving hard disks
   std::vector<PressureLevel> levels = {};   ///< soft disks: kept minima; the last is the end of the stage
   std::optional<double> softest_mode = {};  ///< ω² for unit masses at the end, in ε/D²
   std::optional<SwapResult> swap = {};

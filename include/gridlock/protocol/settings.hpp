@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file The settings of a protocol, the stages that change disks before a run.
+/// \file
+/// The settings of a protocol, the stages that change disks before a run.
 ///
 /// ```cpp
 /// std::vector<StageSettings> const stages{{.kind = "quench", .packing_fraction = 0.86},
@@ -22,14 +23,14 @@ namespace gridlock {
 /// One stage, `[[protocol]]`. Each setting lists the kinds of stage that use it.
 struct StageSettings {
   std::string kind = "quench";                     ///< one of stage_kinds()
-  std::optional<double> rate;                      ///< grow: γ
+  std::optional<double> rate;                      ///< grow: growth rate γ
   std::optional<double> packing_fraction;          ///< quench: packing fraction at which it is made
   std::optional<double> until_packing_fraction;    ///< grow, compress, decompress
-  std::optional<double> until_pressure;            ///< grow: reduced; compress, decompress: in ε/D²
+  std::optional<double> until_pressure;            ///< grow: reduced pressure; compress, decompress: pressure in ε/D²
   std::optional<double> until_time;                ///< run
   std::optional<double> collisions_per_disk;       ///< run
   std::optional<std::uint64_t> levels_per_decade;  ///< decompress
-  std::optional<double> step;                      ///< compress, decompress: of the packing fraction
+  std::optional<double> step;                      ///< compress, decompress: step of the packing fraction
   std::optional<std::uint64_t> sweeps;             ///< swap
   std::optional<double> swap_fraction;             ///< swap
 };

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Notes on a set-up and events of a run, with typed values.
+/// \file
+/// Notes on a set-up and events of a run, with typed values.
 ///
 /// ```cpp
 /// Event const event{.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = 100};
@@ -19,7 +20,7 @@ namespace gridlock {
 /// The severity of an event: `info` appears only in run.log, `note` and `warning` are shown to every user.
 enum class Severity { info, note, warning };
 
-/// The subject of an event.
+/// The kinds of notes and events.
 enum class EventKind {
   // Notes on a set-up that can be run.
   unused_setting,       ///< a setting was given that has no effect on the run
@@ -47,14 +48,14 @@ enum class EventKind {
   checkpoint_failed,       ///< a checkpoint could not be written; the run continues
   checkpoint_damaged,      ///< the newest checkpoint is damaged; the one before it is used
   stage_not_equilibrated,  ///< swap Monte Carlo was too short
-  stage_without_minimum,   ///< a minimization of soft disks gave up
+  stage_without_minimum,   ///< a minimization of soft disks found no minimum
   stage_without_pressure,  ///< the pressure of soft disks is 0 at the end of the stage
   stage_fell_short,        ///< the pressure of soft disks is above 0, but the stage did not find a minimum or its end
   jamming_not_known,       ///< hard disks grew to a high pressure, which does not show whether they are jammed
   packing_not_jammed,      ///< the pressure of soft disks is above 0 at the end of the stage, but they are not jammed
-  packing_unstable,        ///< the packing gives way to a shear
+  packing_unstable,        ///< the packing is unstable against a shear
   packing_gives_way,       ///< the packing gives way to compression, so that its moduli are no averages of a solid
-  packing_too_dense,       ///< far above jamming
+  packing_too_dense,       ///< the packing fraction is far above jamming
   error_not_known,         ///< the series contradicts the standard error of an average, which is left out
   disks_in_cages,          ///< hard disks have collided many times and moved less than a diameter
   time_stands_still,       ///< hard disks collide so often that the time hardly advances

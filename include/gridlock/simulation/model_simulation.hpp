@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// The simulation of a model in code.
+/// The simulation of a model that is defined in code.
 ///
 /// ```cpp
 /// struct Walkers {

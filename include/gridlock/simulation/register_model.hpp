@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Registers a model under its name, for configurations and the command line.
+/// \file
+/// Registers a model under its name, for configurations and the command line.
 ///
 /// ```cpp
 /// struct Walkers {

@@ -115,7 +115,7 @@ struct RunRecord {
   std::vector<ColumnInfo> series_columns;
   std::vector<NamedEstimate> results;
   std::vector<Distribution> distributions;
-  std::vector<Event> notes;  ///< on the preparation, the errors of results and the motion of agents
+  std::vector<Event> notes;  ///< notes on the preparation, the errors of results and the motion of agents
 
   [[nodiscard]] double agent_steps_per_second() const {
     return seconds > 0.0 ? static_cast<double>(steps) * static_cast<double>(agents) / seconds : 0.0;
@@ -191,9 +191,9 @@ class Run {
   std::uint64_t pause_at_ = std::numeric_limits<std::uint64_t>::max();
   std::optional<std::uint64_t> left_out_until_;  ///< a step of the clock, in place of the equilibration of the plan
   std::optional<Clock> last_stop_;               ///< the last step at which samples and writers could be due
-  Extent last_left_out_;                  ///< at the last sample that averages leave out; the first sample is always
-                                          ///< left out
-  std::optional<Extent> first_averaged_;  ///< at the first sample that averages include
+  Extent last_left_out_;                  ///< length at the last sample that averages leave out; they always leave out
+                                          ///< the first
+  std::optional<Extent> first_averaged_;  ///< length at the first sample that averages include
   std::vector<double> last_row_;
   std::vector<Writer*> writers_;
   double seconds_ = 0.0;  ///< real time of all calls of advance()

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Makes a simulation that is ready to run from a configuration.
+/// \file
+/// Makes a simulation that is ready to run from a configuration.
 ///
 /// ```cpp
 /// Setup const setup = set_up(SettingsFile::from_path("scenes/paper.toml"));

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Runs in a directory of their own: checkpoints, results and resuming.
+/// \file
+/// Runs in a directory of their own: checkpoints, results and resuming.
 ///
 /// ```cpp
 /// RunRecord const record = run_in("results/first", set_up(SettingsFile::from_path("scenes/paper.toml")));

@@ -1,6 +1,7 @@
 #pragma once
 
-/// \file Sweeps: a run for every combination of listed values. Sweeps can be resumed, and divided into shards.
+/// \file
+/// Sweeps: a run for every combination of listed values. Sweeps can be resumed, and divided into shards.
 ///
 /// ```cpp
 /// SweepPlan const plan = plan_sweep(SettingsFile::from_path("scenes/density_sweep.toml"));
@@ -25,7 +26,7 @@ namespace gridlock {
 
 /// One run of a sweep: its name, and its values of the swept settings.
 struct SweepRun {
-  std::string name;                 ///< a directory name made of the values
+  std::string name;                 ///< name of the directory, made of the values
   std::vector<std::string> values;  ///< in TOML, one for each key of the plan
   SettingsFile settings;
 };
@@ -37,7 +38,7 @@ struct SweepPlan {
   std::vector<SweepRun> runs;
 };
 
-/// Expands the table `[sweep]` of a file.
+/// Makes the plan of a sweep from the table `[sweep]` of a file.
 /// Errors: Error without a table `[sweep]`, for a list that cannot be used, and for every value that its setting does
 /// not accept (unknown key, wrong type, out of bounds). Whether a set-up is possible is checked only when it is made.
 SweepPlan plan_sweep(SettingsFile file);
@@ -81,7 +82,7 @@ struct SweepResult {
   std::size_t failures = 0;           ///< runs that failed or could not be set up
   std::size_t interruptions = 0;      ///< runs stopped early or never begun
   std::vector<std::string> messages;  ///< the reasons, one for each failure
-  std::vector<std::string> notes;     ///< on settings that have no effect in any run, and on runs that means leave out
+  std::vector<std::string> notes;     ///< notes on settings without effect in any run, and on runs that means leave out
 };
 
 /// Runs a plan on all cores, the longest runs first, and writes sweep.csv and means.csv; draw_results() draws them.

@@ -14,7 +14,7 @@ namespace gridlock {
 class CountersOfStep {
  public:
   void add(Counters const& of_tile);
-  /// Adds the counters of other tiles.
+  /// Adds the counters of the tiles in `others`.
   void add(CountersOfStep const& others);
 
   /// Adds every count and sum to the counters of a run; each sum of the step is rounded once.

@@ -67,7 +67,7 @@ class CellNumbers {
   [[nodiscard]] int row_at(int place) const { return rows_.at(place); }
 
  private:
-  /// Columns or rows 0 … head − 1 and first … end − 1 of the box.
+  /// The columns or rows of a window: 0 … head − 1 and first … end − 1 of the box.
   struct Side {
     int head = 0, first = 0, end = 0;
 

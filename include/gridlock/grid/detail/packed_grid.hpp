@@ -56,7 +56,7 @@ class PackedGrid {
     std::array<float, slots> y;
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
-    std::uint16_t count;  ///< the first `count` slots are taken
+    std::uint16_t count;  ///< number of agents, which are in the first slots
     /// Flags for the caller. Bit s moves with the agent in slot s, and is cleared when an agent enters. The grid sets
     /// `changed` in the first block of a cell whenever an agent enters or leaves the cell, and no other bits.
     std::uint16_t marks;
@@ -391,7 +391,7 @@ class PackedGrid {
   void put(std::size_t agent, CellPoint const& cell_point);
   void take_out(std::size_t agent);
   void move_to_cell(std::size_t agent, Vector p);
-  /// Links an empty block behind the first block of a cell.
+  /// Links a new block behind the first block of a cell.
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);
 

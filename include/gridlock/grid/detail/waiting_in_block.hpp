@@ -65,7 +65,7 @@ inline constexpr WaitingInBlock waiting_in_block;
 /// cell. No branch depends on the Ids, since the processor could not predict it.
 template <class IdOf>
 [[gnu::noinline]] void note_order_of_ids(PackedGrid::Block& block, IdOf id_of) {
-  // Empty slots come last.
+  // Empty slots get the largest numbers, so that they come last.
   std::array<std::uint64_t, PackedGrid::slots> id;
   for (unsigned s = 0; s < PackedGrid::slots; ++s) {
     bool const is_taken = s < block.count;

@@ -55,7 +55,7 @@ struct FarSearch {
   std::uint64_t step = 0;
   std::optional<Id> agent;  ///< the agent whose turn it is; empty in models without turns
   Vector point;
-  Vector position;  ///< of the agent
+  Vector position;  ///< position of the agent
   double cutoff = 0.0;
   double declared = 0.0;
 };

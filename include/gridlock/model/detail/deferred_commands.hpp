@@ -20,8 +20,7 @@ struct DeferredCommands {
   std::vector<Id> parents;  ///< the parent of each birth
   std::vector<Id> deaths;   ///< an Id may be listed twice
   EventCounts<Model> events{};
-  std::vector<std::uint32_t> found;  ///< stack of the rows that searches found: a search within a search adds to the
-                                     ///< top
+  std::vector<std::uint32_t> found;  ///< stack of rows found; a search in a search adds on top
   std::size_t found_top = 0;
 
   void append(DeferredCommands const& part) {

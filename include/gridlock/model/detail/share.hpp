@@ -34,7 +34,7 @@ struct SharedRun {
   Clock clock;
   double cutoff, time_step;
   std::uint64_t threads;
-  std::size_t agents;  ///< of all processes
+  std::size_t agents;  ///< number of agents of all processes
 };
 
 /// Returns the Ids of the newborns of a step, the same as in a run of one process. Takes the Ids of the dead in order,
@@ -237,7 +237,7 @@ class AgentsOfShare {
   ThreadPool thread_pool_;
   NameBirths name_births_;  ///< in the root only
   World<Model> world_;      ///< has the agents of this process and of its rim; index_of() does not work
-  std::size_t population_;  ///< of all processes
+  std::size_t population_;  ///< number of agents of all processes
   AgentsInCellOrder<Model> order_;
   std::vector<DeferredCommands<Model>> commands_;
   EventCounts<Model> events_{};
@@ -303,7 +303,7 @@ class ModelShare final : public AgentsOfShare<Model> {
 
   /// The rows found in the turns of a band that other processes own or need.
   struct Band {
-    Rows of_others;  ///< rows of the rim
+    Rows of_others;  ///< rows of agents in the rim, which other processes own
     Rows at_border;  ///< rows of own agents that have left, or that others need in their rim
     std::uint64_t turns = 0;
   };

@@ -302,7 +302,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   /// Takes the turns of late agents in these tiles, while other processes lend cells. Returns whether a turn has
   /// failed.
   bool take_late_turns_of(std::span<std::uint32_t const> tiles, bool are_first) {
-    std::vector<int> borrowed;  // sorted
+    std::vector<int> borrowed;  // cells, sorted
     std::function<void(Vector, int, int)> const get_cells = [&](Vector p, int columns, int rows) {
       borrow(p, columns, rows, are_first, borrowed);
     };

@@ -35,7 +35,7 @@ class AttachedColumn {
 class AttachedColumns {
  public:
   void add(std::weak_ptr<AttachedColumn> column) { columns_->push_back(std::move(column)); }
-  /// See AttachedColumn::migrate().
+  /// Calls AttachedColumn::migrate() of every column.
   void migrate(AllProcesses processes, std::span<Id const> own) const {
     std::erase_if(*columns_, [](std::weak_ptr<AttachedColumn> const& column) { return column.expired(); });
     if (processes.count() == 1) return;

@@ -17,7 +17,7 @@ class Communicator;
 /// Cost: nothing for a run of one process; else a few short messages.
 class AllProcesses {
  public:
-  /// This process alone.
+  /// Makes the processes of a run that this process does not share.
   AllProcesses();
   /// All processes of a communicator; a communicator converts to it.
   AllProcesses(Communicator& communicator) : communicator_(&communicator) {}

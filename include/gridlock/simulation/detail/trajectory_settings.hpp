@@ -17,7 +17,7 @@ struct TrajectorySettings {
   std::vector<double> steps;       ///< steps with a frame, whole numbers
   std::vector<double> times;
   std::string columns = "all";    ///< names of columns between spaces, or "all"
-  std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
+  std::uint64_t compression = 1;  ///< of the file, 0: none, 1: fastest … 9: smallest
   std::string author;
 
   [[nodiscard]] bool has_frames() const { return every > 0 || per_decade > 0 || !steps.empty() || !times.empty(); }
