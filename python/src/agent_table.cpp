@@ -9,7 +9,7 @@ namespace gridlock::python {
 
 namespace {
 
-/// The values in the order of these rows.
+/// Returns the values of these rows, in their order.
 template <class Values>
 Values gathered(Values const& values, std::span<std::uint32_t const> rows) {
   Values ordered(rows.size());
@@ -35,7 +35,7 @@ void AgentTable::remove(std::span<Id const> ids) {
   for (Id const id : ids) {
     std::size_t const row = places_.index_of(id);
     places_.remove(id);
-    // The last row takes the place of the one that is gone.
+    // The last row moves into the row of the removed agent.
     for (TableColumn& column : others_) {
       std::visit(
           [&](auto& values) {

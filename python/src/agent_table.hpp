@@ -18,22 +18,22 @@
 
 namespace gridlock::python {
 
-/// The values of one column.
+/// The values of a column, of one of the types of columns.
 using ColumnValues =
     std::variant<LargeArray<double>, LargeArray<std::int32_t>, LargeArray<std::uint32_t>, LargeArray<std::uint64_t>>;
 
-/// A column that is named at run time.
+/// A column whose name and type are known only at run time.
 struct TableColumn {
   std::string name;
   ColumnValues values;
 };
 
-/// Agents whose columns are known at run time only: x and y, and others by name. Otherwise a Population, with the same
-/// Ids, the same hash and the same frames as one with these columns.
+/// Agents with columns that are known only at run time: x, y, and others by name. It behaves as a Population with these
+/// columns, with the same Ids, hash and frames.
 class AgentTable {
  public:
   AgentTable() = default;
-  /// `columns` without values: what the agents have besides x and y.
+  /// `columns` are the columns besides x and y, without values.
   explicit AgentTable(std::vector<TableColumn> columns) : others_(std::move(columns)) {}
 
   [[nodiscard]] std::size_t size() const { return places_.size(); }
@@ -44,13 +44,13 @@ class AgentTable {
   [[nodiscard]] std::span<double const> y() const { return places_.column<Y>(); }
   [[nodiscard]] std::vector<TableColumn> const& others() const { return others_; }
 
-  /// Adds agents: x, y and, for each other column, as many values of its type.
+  /// Adds agents. For x, y and each other column it takes an array of equal length and of the column's type.
   void add(std::span<double const> x, std::span<double const> y, std::vector<ColumnValues> const& others);
-  /// Removes the agents of these Ids, one after the other.
+  /// Removes the agents with these Ids, in this order.
   void remove(std::span<Id const> ids);
-  /// Puts row rows[k] at place k.
+  /// Moves the agent of row rows[k] to row k.
   void reorder(std::span<std::uint32_t const> rows);
-  /// Takes over the values of a table of the same agents in the same order.
+  /// Copies the values of a table with the same agents in the same order.
   void take_values(AgentTable const& table);
 
   [[nodiscard]] AgentsView view() const;
@@ -58,7 +58,7 @@ class AgentTable {
   [[nodiscard]] std::uint64_t sum_of_hashes() const;
   void serialize(Archive& archive);
   [[nodiscard]] std::shared_ptr<void> release();
-  /// See has_vectors_side_by_side(). What has pointers into the columns must not be left.
+  /// Allocates x and y side by side, see has_vectors_side_by_side(). Invalidates all pointers into the columns.
   void put_vectors_side_by_side();
 
   operator AgentsView() const { return view(); }  // NOLINT(google-explicit-constructor): as a Population is
@@ -68,7 +68,7 @@ class AgentTable {
   std::vector<TableColumn> others_;
 };
 
-// What a World asks of its agents.
+// These functions are what World requires of its agents.
 inline std::vector<NamedColumn> columns_of(AgentTable& agents) { return agents.columns(); }
 inline std::uint64_t sum_of_hashes(AgentTable const& agents) { return agents.sum_of_hashes(); }
 inline std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, AgentTable const& agents) {

@@ -28,7 +28,7 @@ std::span<std::uint32_t const> span_of(std::optional<Kinds> const& kinds) {
   return kinds ? std::span(kinds->data(), kinds->shape(0)) : std::span<std::uint32_t const>{};
 }
 
-/// One curve of every kind as two arrays of shape (kinds, lags): values, and errors or no number.
+/// Returns a curve of all kinds as two arrays of shape (kinds, lags): values, and errors or NaN.
 nb::object arrays_of(Dynamics const& dynamics, std::vector<Estimate> DynamicsOfKind::*curve) {
   std::size_t const kinds = dynamics.kinds.size();
   std::size_t const lags = (dynamics.kinds.front().*curve).size();
@@ -72,7 +72,7 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
   return result;
 }
 
-/// distances of shape (bins,), and g of shape (kinds, kinds, bins)
+/// Returns distances of shape (bins,) and g(r) of shape (kinds, kinds, bins).
 auto pair_correlation(Points const& points, BoxValues const& box, double range, std::size_t bins,
                       std::optional<Kinds> const& kinds, std::uint64_t threads) {
   PairCorrelations found;
@@ -84,7 +84,7 @@ auto pair_correlation(Points const& points, BoxValues const& box, double range, 
   return std::pair(owned_array(std::move(found.distance)), owned_array(std::move(found.g), {count, count, bins}));
 }
 
-/// where the neighbours of each point begin, the neighbours, and areas
+/// Returns the index of each point's first neighbour in the list of neighbours, that list, and the areas of the cells.
 auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) {
   VoronoiCells found;
   {
@@ -97,8 +97,8 @@ auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) 
 
 using ValuesOfRuns = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-/// Of values and errors of shape (runs, points), an error that is no number for none: mean, error, error by scatter,
-/// error by runs, and χ² of every point.
+/// Combines values and errors of shape (runs, points), where a missing error is NaN. Returns for every point: mean,
+/// error, error from the scatter, error from the runs, and χ².
 auto combine_runs(ValuesOfRuns const& values, ValuesOfRuns const& errors) {
   std::size_t const points = values.shape(1);
   auto const number = [](std::optional<double> const& value) { return value.value_or(no_value); };

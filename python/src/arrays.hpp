@@ -23,9 +23,9 @@ namespace gridlock::python {
 namespace nb = nanobind;
 
 using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
-/// Points of the plane as rows of two numbers.
+/// Points of the plane, an array of shape (N, 2).
 using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-/// width, height, whether it is periodic
+/// Width, height, and whether the box is periodic.
 using BoxValues = std::tuple<double, double, bool>;
 
 inline PointsInMemory view_of(Points const& points) {
@@ -37,7 +37,7 @@ inline Box box_of(BoxValues const& values) {
   return {width, height, is_periodic ? Edge::periodic : Edge::wall};
 }
 
-/// An array that owns what `values` has held, without a copy. `values` is a vector of any allocator.
+/// Returns an array that takes over the memory of `values`, a vector with any allocator, without a copy.
 template <class Values>
 auto owned_array(Values&& values, std::initializer_list<std::size_t> shape,
                  std::initializer_list<std::int64_t> strides = {}) {
@@ -47,25 +47,25 @@ auto owned_array(Values&& values, std::initializer_list<std::size_t> shape,
   return nb::ndarray<nb::numpy, typename Vector::value_type>(kept->data(), shape, owner, strides);
 }
 
-/// The same for a list of numbers.
+/// Returns a one-dimensional array that takes over the memory of `values`.
 template <class Values>
 auto owned_array(Values&& values) {
   std::size_t const size = values.size();
   return owned_array(std::forward<Values>(values), {size});
 }
 
-/// The pairs of a search as an array of shape (2, P).
+/// Returns the pairs of a search as an array of shape (2, pairs).
 inline auto array_of_pairs(PointPairs&& found) {
   std::size_t const count = found.size();
   return owned_array(std::move(found.indices), {2, count});
 }
 
-/// The lists of a search: where they begin, and the neighbours.
+/// Returns the lists of a search: the index of each point's first neighbour, and all neighbours.
 inline auto arrays_of_lists(NeighbourLists&& found) {
   return std::pair(owned_array(std::move(found.begin)), owned_array(std::move(found.neighbours)));
 }
 
-/// A column of a table: an array of numbers, or a list of words.
+/// Returns a column of a table as an array of numbers or a list of words.
 inline nb::object array_of_cells(CellColumn const& column) {
   return std::visit(
       [](auto values) -> nb::object {

@@ -24,10 +24,10 @@ namespace gridlock::python {
 
 namespace nb = nanobind;
 
-/// Whether an array of both components of a position or velocity spans nothing else but columns.
+/// Returns whether an array over both components of a position or velocity would span only memory of columns.
 ///
-/// NumPy takes such an array for shared with whatever lies in between. Where the copy of it that is to be made gets
-/// memory there, NumPy makes another copy first, and another, until the stack ends.
+/// NumPy assumes that such an array shares all memory in between. A copy that NumPy allocated there would seem to
+/// overlap, so NumPy would copy again without end.
 inline bool has_vectors_side_by_side(std::vector<NamedColumn> const& columns) {
   auto const memory_of = [&](std::string_view name) -> void const* {
     auto const found = std::ranges::find(columns, name, &NamedColumn::name);
@@ -43,28 +43,28 @@ inline bool has_vectors_side_by_side(std::vector<NamedColumn> const& columns) {
   return are_together(X::name, Y::name) && are_together(VelocityX::name, VelocityY::name);
 }
 
-/// Hands columns out as arrays without a copy, and knows whether somebody still holds one.
+/// Lends columns to Python as arrays without a copy, and tracks whether Python still holds one.
 class ColumnLender {
  public:
-  /// Whether arrays have been handed out since the last release.
+  /// Returns whether arrays were lent since the last call of take_back().
   [[nodiscard]] bool has_lent() const { return memory_ != nullptr; }
-  /// Whether somebody holds one of them.
+  /// Returns whether Python still holds a lent array.
   [[nodiscard]] bool is_held() const { return memory_.use_count() > 1; }
 
-  /// Arrays that are still held keep the values of this moment: `release` puts a copy in the place of the columns and
-  /// returns their memory.
+  /// Ends the loan. Arrays that Python still holds keep their present values: `release` moves the columns to a copy and
+  /// returns the old memory.
   template <class Release>
   void take_back(Release release) {
     if (is_held()) memory_->released = release();
     memory_.reset();
   }
 
-  /// One column; `named` are all of them.
+  /// Returns a column as an array; `named` are all columns.
   nb::object column(std::vector<NamedColumn> const& named, std::string const& name) {
     return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); },
                       find(named, name).values);
   }
-  /// One column that cannot be written.
+  /// Returns a column as a read-only array.
   nb::object column_to_read(std::vector<NamedColumn> const& named, std::string const& name) {
     return std::visit(
         [&](auto values) {
@@ -73,8 +73,8 @@ class ColumnLender {
         },
         find(named, name).values);
   }
-  /// Two columns of one type as the columns of an array: the second lies some way behind the first. See
-  /// has_vectors_side_by_side().
+  /// Returns two columns of equal type as an array of shape (N, 2), whose stride is the distance of the columns in
+  /// memory. See has_vectors_side_by_side().
   nb::object columns(std::vector<NamedColumn> const& named, std::string const& first, std::string const& second) {
     NamedColumn const& a = find(named, first);
     NamedColumn const& b = find(named, second);
@@ -85,13 +85,13 @@ class ColumnLender {
         },
         a.values);
   }
-  /// Ids, which cannot be written.
+  /// Returns the Ids as a read-only array.
   nb::object ids(std::span<Id const> ids) {
     return nb::cast(nb::ndarray<nb::numpy, Id const>(ids.data(), {ids.size()}, keeper()), nb::rv_policy::reference);
   }
 
  private:
-  /// Keeps the memory of columns for arrays of it, once the owner goes on with a copy.
+  /// Owns released memory of columns for the arrays that still refer to it.
   struct Memory {
     std::shared_ptr<void> released;
   };
@@ -115,7 +115,7 @@ class ColumnLender {
     return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape, keeper(), strides), nb::rv_policy::reference);
   }
 
-  std::shared_ptr<Memory> memory_;  ///< of the arrays that have been handed out since the last release
+  std::shared_ptr<Memory> memory_;  ///< held by each array lent since the last take_back()
 };
 
 }  // namespace gridlock::python

@@ -38,7 +38,7 @@ namespace gridlock::python {
 
 namespace {
 
-/// Errors: RunFailure for a run that broke.
+/// Returns the status of a run. Errors: RunFailure if the run failed.
 std::string status_of(RunRecord const& record, Listener const& listener) {
   listener.raise();
   if (record.status == RunStatus::failed) throw RunFailure(record.failure);
@@ -84,14 +84,14 @@ NamedValues columns_of(Table const& table) {
   return columns;
 }
 
-/// What a sweep has made, how many runs failed and were stopped, and why.
+/// Rows and means of a sweep, the numbers of failed and interrupted runs, and the error messages.
 using SweepValues = std::tuple<NamedValues, NamedValues, std::size_t, std::size_t, std::vector<std::string>>;
 
 SweepValues values_of(SweepResult const& result) {
   return {columns_of(result.rows), columns_of(result.means), result.failures, result.interruptions, result.messages};
 }
 
-/// How many runs a sweep has, and the kinds of its models.
+/// Returns the number of runs of a sweep and the kinds of its models.
 std::pair<std::size_t, std::vector<std::string>> sweep_size(std::optional<std::string> const& file,
                                                             Assignments const& assignments) {
   SweepPlan const plan = plan_sweep(settings_of(file, assignments));
@@ -100,7 +100,7 @@ std::pair<std::size_t, std::vector<std::string>> sweep_size(std::optional<std::s
   return {plan.runs.size(), std::vector(kinds.begin(), kinds.end())};
 }
 
-/// `shard` is a number from 1 and a count.
+/// Carries out a sweep. `shard` is a number from 1 and the number of shards.
 SweepValues sweep_directory(std::optional<std::string> const& file, Assignments const& assignments,
                             std::string const& directory, bool overwrites, unsigned threads,
                             std::optional<std::pair<std::size_t, std::size_t>> const& shard, nb::object on_progress) {
@@ -130,7 +130,7 @@ SweepValues collect_directory(std::string const& directory) {
   return values_of(result);
 }
 
-/// ids, columns, box, step, time
+/// Ids, columns, box, step and time of a frame.
 using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double>;
 
 FrameValuesOfPython values_of(Frame frame) {
@@ -144,7 +144,7 @@ FrameValuesOfPython values_of(Frame frame) {
           frame.clock.time};
 }
 
-/// Whole numbers, such as kinds, as such: XYZ does not tell them from others.
+/// Converts real numbers that are all whole to integers, since XYZ does not mark whole numbers such as kinds.
 FrameColumn of_own_type(FrameColumn column) {
   auto const& values = std::get<std::vector<double>>(column.values);
   constexpr double most = 1e9;
@@ -154,7 +154,7 @@ FrameColumn of_own_type(FrameColumn column) {
   return column;
 }
 
-/// What the file has of disks, and its other columns.
+/// Returns the columns of disks that the file has, and its other columns, as a frame.
 Frame frame_of(XyzFrame file) {
   Frame frame = frame_of(file.state);
   std::erase_if(frame.columns, [&](FrameColumn const& column) {
@@ -175,7 +175,7 @@ FrameValuesOfPython read_xyz_frame(std::string const& path, std::optional<std::i
   return values_of(std::move(*frame));
 }
 
-/// A trajectory that is open.
+/// An open trajectory.
 class PythonTrajectory {
  public:
   explicit PythonTrajectory(std::string const& path) : path_(path), reader_(path) {}
@@ -204,7 +204,7 @@ class PythonTrajectory {
   [[nodiscard]] std::map<std::string, std::vector<std::string>> value_names() const {
     return reader_.settings().value_names;
   }
-  /// Step, time, ids of shape (contacts, 2) and forces of the contacts, where the file has them.
+  /// Returns step, time, Ids of shape (contacts, 2) and forces of the contacts; None if the file has no contacts.
   [[nodiscard]] auto contacts() const {
     std::optional<FrameContacts> found;
     {
@@ -224,14 +224,14 @@ class PythonTrajectory {
   H5mdReader reader_;
 };
 
-/// The word for a format and its name, by its first bytes; nothing for a file without a mark.
+/// Returns id and name of the format that the first bytes of a file show; nothing if they show none.
 std::optional<std::pair<std::string, std::string>> format_of(std::string const& path) {
   auto const format = recognize_format(std::filesystem::path(path));
   if (!format) return std::nullopt;
   return std::pair(std::string(format->id), std::string(format->name));
 }
 
-/// Refuses what protect_files() refuses, and lists the files of a maker where its directory has a list.
+/// Calls protect_files(), and lists the files of `maker` if their directory has a list.
 void protect_paths(std::vector<std::string> const& paths, std::string const& maker, std::string const& hint,
                    bool overwrites, std::vector<std::string> const& inputs) {
   protect_files({.results = {paths.begin(), paths.end()},
@@ -243,10 +243,10 @@ void protect_paths(std::vector<std::string> const& paths, std::string const& mak
   for (std::string const& path : paths) record_further_result(path, maker);
 }
 
-/// A directory that is kept from all other processes, and lists what is written into it as results of Gridlock.
+/// A directory that is locked against other processes, and lists the files that are written into it as results.
 class PythonDirectory {
  public:
-  /// The names of all files that are going to be written.
+  /// `names` are the names of all files that will be written.
   PythonDirectory(std::string const& directory, std::vector<std::string> const& names, bool overwrites)
       : directory_(directory) {
     std::vector<std::filesystem::path> files;

@@ -51,7 +51,7 @@ using Indices = nb::ndarray<std::uint32_t const, nb::ndim<1>, nb::c_contig, nb::
 using Ends = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Rows = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-/// Σ of the rows of `values` over the neighbours of each point, added up in the order of the lists.
+/// Sums the rows of `values` over the neighbours of each point, in the order of the lists.
 template <std::size_t Columns>
 void add_neighbors(Ends const& ends, Indices const& indices, Rows const& values, double* sums) {
   std::size_t const columns = Columns != 0 ? Columns : values.shape(1);

@@ -10,17 +10,17 @@ namespace gridlock::python {
 
 namespace nb = nanobind;
 
-/// Asks Python now and then whether somebody has pressed Ctrl-C, and tells it how far the work is.
+/// Checks for Ctrl-C in Python and reports progress to a function of Python.
 class Listener {
  public:
   explicit Listener(nb::object on_progress)
       : on_progress_(std::move(on_progress)), is_shown_(!on_progress_.is_none()) {}
 
-  /// Whether to go on. Called without the lock of the interpreter.
+  /// Returns whether to continue. The caller must not hold the GIL.
   bool operator()(std::uint64_t done, double fraction) {
     nb::gil_scoped_acquire const acquired;
     if (PyErr_CheckSignals() != 0) {
-      // Takes the exception away from the interpreter: a last sample may still call functions of Python.
+      // The exception is stored, since Python functions of a last sample may be called before it is thrown.
       interruption_.emplace();
       return false;
     }

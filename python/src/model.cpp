@@ -25,13 +25,13 @@ namespace gridlock::python {
 
 namespace {
 
-/// All that is held, guarded by the lock of the interpreter.
+/// Returns the set of all held objects, which the GIL protects.
 std::unordered_set<nb::handle*>& held_objects() {
   static std::unordered_set<nb::handle*> held;
   return held;
 }
 
-/// At the end of the interpreter: a class knows its module, which may know a simulation, which holds the class.
+/// Releases all held objects at the end of the interpreter: class, module and simulation may refer to each other.
 void let_go_of_all() {
   for (nb::handle* const handle : std::exchange(held_objects(), {})) {
     handle->dec_ref();
@@ -43,7 +43,7 @@ void let_go_of_all() {
 
 SharedObject::SharedObject(nb::object object)
     : handle_(new nb::handle(object.release()), [](nb::handle* handle) {
-        // After the end of the interpreter there is nothing to let go.
+        // After the end of the interpreter no object may be released.
         if (Py_IsInitialized() != 0) {
           nb::gil_scoped_acquire const acquired;
           if (held_objects().erase(handle) != 0) handle->dec_ref();
@@ -86,19 +86,19 @@ ColumnValues empty_column(std::string const& type) {
 
 namespace {
 
-/// A world of a model in Python, its engine and what is measured of it.
+/// A world of a model written in Python, with its engine and observables.
 class PythonModelSimulation final : public WorldSimulation<TableModel> {
  public:
   PythonModelSimulation(ModelInstance const& model, World<TableModel>&& start, ObserveSettings const& observed)
       : WorldSimulation(std::make_unique<PythonModelEngine>(model), std::move(start)) {
-    // An observation sees the world through arrays, which are taken back when it is over: it changes nothing.
+    // An observation lends arrays of the world, and takes them back at its end, so the world does not change.
     auto& world = const_cast<World<TableModel>&>(this->world());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
     observe(std::make_unique<PythonModelObservations>(model, world));
     observe(observed, {.keeps_counters = false});
   }
 };
 
-/// The kind that a class of Python is.
+/// The ModelKind for a class of Python.
 class PythonModelKind final : public detail::AgentsKind {
  public:
   explicit PythonModelKind(std::shared_ptr<ModelDefinition const> definition)
@@ -113,7 +113,7 @@ class PythonModelKind final : public detail::AgentsKind {
   }
   [[nodiscard]] bool uses_threads(Configuration const& /*configuration*/) const override { return true; }
   [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override {
-    // Its searches are those of the package, which the tests compare with brute force.
+    // The Python package searches neighbours by functions of its own, which verify_every does not check.
     if (key == "model.verify_every") return "model.kind = \"" + definition_->name + "\"";
     return AgentsKind::unused_because_of(configuration, key);
   }
@@ -137,7 +137,7 @@ class PythonModelKind final : public detail::AgentsKind {
     return value != nullptr ? *value : 0;
   }
   [[nodiscard]] std::size_t bytes_per_agent() const override {
-    // The values, those before the step and the arrays of one calculation.
+    // Each agent has its values, their copy from before the step, and temporary arrays of one calculation.
     return 3 * 8 * (2 + definition_->columns.size()) + 40;
   }
   [[nodiscard]] double attempts_at_start(Box const& /*box*/, std::uint64_t /*seed*/) const override { return 0.0; }
@@ -184,7 +184,7 @@ class PythonModelKind final : public detail::AgentsKind {
     visitor.visit_choice(info, choices, place);
     word = setting.choices.at(place);
   }
-  /// An object of the class with these settings.
+  /// Returns an object of the model's class with the present settings.
   [[nodiscard]] nb::object make_model() const {
     nb::dict values;
     for (SettingDefinition const& setting : settings_) {

@@ -18,25 +18,25 @@ namespace gridlock::python {
 
 namespace nb = nanobind;
 
-/// A model of Python as World and EngineFor take it.
+/// The type of models in Python for the templates World and EngineFor.
 struct TableModel {
   using Agents = AgentTable;
 };
 
 using SettingValue = std::variant<bool, std::uint64_t, double, std::string, std::vector<double>>;
 
-/// A setting of a model of Python; see SettingInfo.
+/// A setting of a model in Python; see SettingInfo.
 struct SettingDefinition {
   std::string key;
   std::string unit;
   std::string documentation;
   double min = 0.0;
   double max = 0.0;
-  std::vector<std::string> choices;  ///< the words it can be, where it is one of a list
+  std::vector<std::string> choices;  ///< allowed words; empty if any text is allowed
   SettingValue value;
 };
 
-/// A Python object that may be held and let go by threads without the lock of the interpreter, and after its end.
+/// A Python object that threads may hold and release without the GIL, even after the interpreter ends.
 class SharedObject {
  public:
   SharedObject() = default;
@@ -47,25 +47,25 @@ class SharedObject {
   std::shared_ptr<nb::handle> handle_;
 };
 
-/// What a class of Python says of its agents and settings.
+/// The agents and settings that a class of Python declares.
 struct ModelDefinition {
   SharedObject type;
   std::string name;
   std::string documentation;
-  std::vector<TableColumn> columns;  ///< without values; besides x and y
+  std::vector<TableColumn> columns;  ///< columns besides x and y, without values
   std::vector<std::string> events;
-  std::map<std::string, std::vector<std::string>> value_names;  ///< of the numbers 0, 1, 2 … of a column
+  std::map<std::string, std::vector<std::string>> value_names;  ///< meanings of values 0, 1, 2 … by column
   std::vector<SettingDefinition> settings;
 };
 
-/// Calls a function of Python, for which the lock is held. Errors: an Error of Gridlock as one of C++; others as they
-/// are.
+/// Calls a function of Python with the GIL held. Errors: an Error of Gridlock becomes the C++ Error; other exceptions
+/// stay as they are.
 nb::object call_python(std::function<nb::object()> const& call);
 
-/// What an exception of a model becomes in a run: a RunFailure with the step, and the exception behind it for Python.
+/// Converts an exception of a model into a RunFailure with the step, which keeps the exception for Python.
 RunFailure failure_of(nb::python_error& error, std::string const& model, std::uint64_t step);
 
-/// The column of that type without values: "float64", "int32", "uint32" or "uint64". Errors: Error.
+/// Returns an empty column of type "float64", "int32", "uint32" or "uint64". Errors: Error for another type.
 ColumnValues empty_column(std::string const& type);
 
 }  // namespace gridlock::python

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t steps_between_sorts = 32;
 
-/// A layout with about one agent in a cell.
+/// Returns a layout of cells with about one agent per cell.
 CellLayout layout_of(World<TableModel> const& world) {
   std::size_t const agents = std::bit_ceil(std::max<std::size_t>(16, world.agents.size()));
   return layout_for_cutoff(world.box, std::sqrt(world.box.area() / static_cast<double>(agents)), agents);
@@ -72,18 +72,18 @@ void PythonModelEngine::step(World<TableModel>& world) {
   world.agents.put_vectors_side_by_side();
   before_ = world.agents;
   if (try_step(world)) return;
-  // A model that raises it again does so by itself.
+  // A second KeyboardInterrupt was raised by the model itself, not by Ctrl-C.
   if (!try_step(world)) {
     nb::gil_scoped_acquire const acquired;
     PyErr_SetNone(PyExc_KeyboardInterrupt);
     throw nb::python_error();
   }
-  // For whoever listens between the steps.
+  // The interrupt is set again, so that Python handles Ctrl-C after the step.
   nb::gil_scoped_acquire const acquired;
   PyErr_SetInterrupt();
 }
 
-/// Returns whether the step is done: not where somebody has pressed Ctrl-C meanwhile.
+/// Carries out a step. Returns false and restores the agents if KeyboardInterrupt is raised, as by Ctrl-C.
 bool PythonModelEngine::try_step(World<TableModel>& world) {
   nb::gil_scoped_acquire const acquired;
   try {

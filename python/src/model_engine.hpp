@@ -14,26 +14,25 @@
 
 namespace gridlock::python {
 
-/// A model of Python with its settings: an object of its class.
+/// A model in Python with its settings, an object of its class.
 struct ModelInstance {
   std::shared_ptr<ModelDefinition const> definition;
   SharedObject object;
   double time_step = 1.0;
   std::uint64_t threads = 1;
-  /// How often each event has happened since the start: counted by the engine, read by the observations.
+  /// Counts of each event since the start; the engine counts and observations read.
   std::shared_ptr<std::vector<std::uint64_t>> events = {};
 };
 
 /// Advances a world by the method `_step` of a model in Python.
 ///
-/// A step that raises leaves the world as it was before. Ctrl-C within a step is heard after it. Every 32 steps the
-/// rows are sorted by where the agents are, so that neighbours are near in memory; when that happens follows from the
-/// step alone.
+/// A step that raises an exception leaves the world unchanged. Ctrl-C during a step takes effect after it. Every 32
+/// steps rows are sorted by position, so that neighbours are close in memory; the step number alone decides when.
 class PythonModelEngine final : public EngineFor<TableModel> {
  public:
   explicit PythonModelEngine(ModelInstance model);
 
-  /// Errors: RunFailure for what the model raises, and for agents that it puts outside the box.
+  /// Errors: RunFailure if the model raises an exception or puts agents outside the box.
   void advance(World<TableModel>& world, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step_of(World<TableModel> const& /*world*/) const override { return model_.time_step; }
   void require_valid(World<TableModel> const& world) const override;
@@ -47,18 +46,18 @@ class PythonModelEngine final : public EngineFor<TableModel> {
   void sort_rows(World<TableModel>& world);
 
   ModelInstance model_;
-  AgentTable before_;  ///< the step, for one that fails
+  AgentTable before_;  ///< agents before the step, to restore them if it fails
   ThreadPool thread_pool_;
   CellOrder order_;
 };
 
-/// Throws RunFailure for an agent outside the box.
+/// Throws RunFailure if an agent is outside the box.
 void require_inside(World<TableModel> const& world);
 
-/// The number of agents, the events, and what the method `_observe` of a model in Python returns.
+/// Observes the number of agents, the events, and the results of the method `_observe` of a model in Python.
 class PythonModelObservations final : public AveragingObservable {
  public:
-  /// Keeps a view of the world.
+  /// Keeps a reference to the world.
   PythonModelObservations(ModelInstance model, World<TableModel>& world);
 
   [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }

@@ -25,7 +25,7 @@ PointsInMemory points_of(AgentTable const& agents) {
   return {.x = agents.x().data(), .y = agents.y().data(), .count = agents.size()};
 }
 
-/// The column that counts how often agents crossed the edges; empty where the model has none.
+/// Returns the column that counts crossings of edges; empty if the model has no such column.
 std::span<std::int32_t> images(AgentTable& agents, std::string_view name) {
   for (NamedColumn const& column : agents.columns()) {
     if (column.name == name) return std::get<std::span<std::int32_t>>(column.values);
@@ -33,14 +33,14 @@ std::span<std::int32_t> images(AgentTable& agents, std::string_view name) {
   return {};
 }
 
-/// Errors: Error where the count goes beyond its type.
+/// Adds a crossing to an image. Errors: Error if the count exceeds its type.
 void count_crossing(std::int32_t& image, int crossed, std::string_view name) {
   if (!__builtin_add_overflow(image, crossed, &image)) return;
   throw Error({.what = "an agent crosses more edges than the column " + std::string(name) + " can count",
                .hint = "it holds whole numbers from -2147483648 to 2147483647; begin with 0"});
 }
 
-/// What an array of Python holds, as a column of that type.
+/// Returns the values of a Python array as a column of this type.
 template <class Values>
 Values values_of(nb::handle array) {
   using Value = typename Values::value_type;
@@ -79,7 +79,7 @@ nb::object ModelWorld::column(std::string const& name) {
 nb::object ModelWorld::positions() {
   require_open();
   if (phase_ != Phase::observation) return lender_.columns(world_.agents.columns(), X::name, Y::name);
-  // A sample is being taken: the columns stay where they are, wherever that is.
+  // Positions are copied, since columns must not move while a sample is taken.
   AgentTable const& agents = world_.agents;
   UninitializedArray<double> positions(2 * agents.size());
   for (std::size_t row = 0; row < agents.size(); ++row) {
@@ -100,7 +100,7 @@ nb::object ModelWorld::numbers(std::optional<std::uint64_t> count, std::size_t e
   UninitializedArray<double> numbers(rows * each);
   double* next = numbers.data();
   for (std::size_t row = 0; row < rows; ++row) {
-    // In the start the purpose takes the place of the step, which is 0.
+    // At the start the step is 0, so the purpose takes its position in the random stream.
     RandomStream stream =
         count ? RandomStream(world_.seed, purpose, row, Purpose::model_start)
               : RandomStream(world_.seed, world_.clock.step, world_.agents.ids()[row], purpose_of_turn(purpose));

@@ -17,16 +17,16 @@
 
 namespace gridlock::python {
 
-/// New agents: one array for each column, x and y first.
+/// The values of new agents: an array for each column, x and y first.
 struct NewAgents {
   std::vector<double> x;
   std::vector<double> y;
   std::vector<ColumnValues> others;
 };
 
-/// What a model of Python sees of its world in its start, in a step or in an observation, and what it asks for.
+/// The world that a model in Python sees at its start, in a step or in an observation, with its requests for changes.
 ///
-/// Deaths and births take effect when the step is over: rows keep their meaning within it.
+/// Deaths and births take effect after the step, so that rows keep their meaning within it.
 class ModelWorld {
  public:
   enum class Phase { start, step, observation };
@@ -43,34 +43,34 @@ class ModelWorld {
   nb::object positions();
   nb::object ids();
 
-  /// `each` random numbers for each agent, or in the start for each of `count` agents to come: shape (agents, each).
+  /// Returns `each` random numbers for each agent, or for each of `count` new agents, of shape (agents, each).
   nb::object numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose, bool is_normal) const;
-  /// Random numbers of the whole model in this step.
+  /// Returns random numbers for the whole model in this step.
   nb::object numbers_of_step(std::size_t count) const;
 
   nb::object neighbor_lists(double cutoff) const;
   nb::object pairs(double cutoff) const;
 
-  /// Moves every agent by its row; where walls turned it back, shape (N, 2).
+  /// Moves each agent by its displacement; returns an array of shape (N, 2) that shows where walls turned it back.
   nb::object move(nb::ndarray<double const, nb::shape<-1, 2>, nb::device::cpu> const& displacements);
 
-  /// Values of every column, x and y first, as arrays of the types of the columns.
+  /// Adds new agents. `columns` has an array for every column, x and y first, of the column's type.
   void add(nb::typed<nb::list, nb::object> const& columns);
   void remove(nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu> const& rows);
   void count(std::size_t event, std::uint64_t times);
 
-  /// The step is over: arrays that are still held get memory of their own, and nothing can be asked for any more. Waits
-  /// for searches that other threads have begun.
+  /// Ends the access of Python. Arrays that Python still holds get memory of their own. Waits for searches in other
+  /// threads.
   void close();
 
-  /// What was asked for; of the rows of deaths each once, in the order of their Ids.
+  /// Returns the Ids of agents that die, sorted and without repetition.
   [[nodiscard]] std::vector<Id> deaths() const;
   [[nodiscard]] std::vector<NewAgents> const& births() const { return births_; }
   [[nodiscard]] std::vector<std::uint64_t> const& events() const { return events_; }
 
  private:
   void require_open() const;
-  /// What `search` finds among the agents, without the lock of the interpreter.
+  /// Returns the result of a search among the agents, without holding the GIL.
   template <class Search>
   auto find(Search search) const;
 
@@ -79,18 +79,18 @@ class ModelWorld {
   std::uint64_t threads_;
   Phase phase_;
   bool is_closed_ = false;
-  mutable std::atomic<int> searches_ = 0;  ///< that have begun and not ended
+  mutable std::atomic<int> searches_ = 0;  ///< searches in progress
   ColumnLender lender_;
   std::vector<std::uint64_t> dead_rows_;
   std::vector<NewAgents> births_;
   std::vector<std::uint64_t> events_ = std::vector<std::uint64_t>(definition_.events.size());
 };
 
-/// A world as a method of a model sees it, until the end of the scope: Python may keep the object, but sees nothing by
-/// it then.
+/// Shows a world to a method of a model until the end of the scope. Python may keep the object, but can no longer use
+/// it.
 class ShownWorld {
  public:
-  /// `others` are the arguments of ModelWorld after the world.
+  /// `others` are the arguments of the constructor of ModelWorld after the world.
   template <class... Others>
   explicit ShownWorld(World<TableModel>& world, Others const&... others)
       : world_(new ModelWorld(world, others...)), object_(nb::cast(world_, nb::rv_policy::take_ownership)) {}

@@ -12,7 +12,7 @@ namespace gridlock::python {
 
 namespace {
 
-/// Raises `type` of gridlock.errors with the problems as dicts, so that Python has texts, places and hints apart.
+/// Raises exception `type` of gridlock.errors with the problems as dicts, which give Python texts, positions and hints.
 void raise_error(Error const& error) {
   nb::list problems;
   std::string text;

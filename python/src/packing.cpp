@@ -37,7 +37,7 @@ auto array_of_flags(std::vector<bool> const& flags) {
   return owned_array(std::vector<std::uint8_t>(flags.begin(), flags.end()));
 }
 
-/// The pairs of contacts, shape (C, 2), their normals, shape (C, 2), distances and overlaps.
+/// Adds the contacts: pairs and normals of shape (contacts, 2), distances and overlaps.
 void add_contacts(NamedValues& result, std::span<Contact const> contacts, std::string const& prefix) {
   std::vector<std::uint32_t> pairs;
   std::vector<double> normals, distances, overlaps;
@@ -128,7 +128,7 @@ NamedValues contacts(Points const& points, Numbers const& radii, BoxValues const
   return result;
 }
 
-/// wave numbers and densities of rings
+/// Returns wave numbers and densities of rings.
 auto spectral_density(Points const& points, Numbers const& radii, BoxValues const& box, double largest_q,
                       std::size_t bins, std::uint64_t threads) {
   SpectralDensity found;

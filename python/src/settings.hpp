@@ -9,10 +9,10 @@
 
 namespace gridlock::python {
 
-/// Settings as Python hands them over: dotted keys, values in TOML.
+/// Settings from Python: dotted keys with values in TOML.
 using Assignments = std::vector<std::pair<std::string, std::string>>;
 
-/// A TOML file, and settings over it.
+/// Reads a TOML file, if given, and sets the assignments on top of it.
 inline SettingsFile settings_of(std::optional<std::string> const& file, Assignments const& assignments) {
   SettingsFile settings = file ? SettingsFile::from_path(*file) : SettingsFile();
   for (auto const& [key, value] : assignments) {

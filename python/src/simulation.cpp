@@ -34,7 +34,7 @@ namespace gridlock::python {
 
 namespace {
 
-/// Calls a Python function at every multiple of some steps, and lets what it raises pass through the run.
+/// Calls a Python function every n steps. An exception of the function ends the run and reaches the caller.
 class PythonWriter final : public Writer {
  public:
   PythonWriter(nb::object function, std::uint64_t every) : function_(std::move(function)), every_(every) {}
@@ -56,7 +56,7 @@ class PythonWriter final : public Writer {
   std::uint64_t every_;
 };
 
-/// Measures numbers by a Python function, which returns one for each column.
+/// Observes the values of a Python function, which returns a number for each column.
 class PythonObservable final : public AveragingObservable {
  public:
   PythonObservable(nb::object function, std::vector<ColumnInfo> columns)
@@ -115,7 +115,7 @@ class PythonSimulation {
   PythonSimulation(PythonSimulation const&) = delete;
   PythonSimulation& operator=(PythonSimulation const&) = delete;
 
-  /// Runs to the end of the plan, or `steps` more; says how it ended.
+  /// Runs to the end of the plan, or for `steps` more steps; returns the status.
   std::string run(std::optional<std::uint64_t> steps, nb::object on_progress) {
     Use const use(*this, "run");
     if (!has_end_ && !steps) {
@@ -146,7 +146,7 @@ class PythonSimulation {
     return to_text(status);
   }
 
-  /// Leaves its memory to the arrays that a callback has kept, and checks what it has written.
+  /// Ends the loan of arrays to a callback, and checks the values that it has written.
   void end_callback() {
     Use const use(*this);
     release_arrays();
@@ -173,13 +173,13 @@ class PythonSimulation {
     simulation().observe(std::make_unique<PythonObservable>(std::move(function), std::move(columns)));
   }
 
-  /// Before arrays are handed out that are no copies; not while a step or a sample is taken.
+  /// Prepares for lending arrays without a copy. Must not be called during a step or a sample.
   void prepare_arrays() {
     Use const use(*this);
     if (lender_.is_held() || has_vectors_side_by_side(simulation().columns_of_agents())) return;
     static_cast<void>(simulation().release_columns());
   }
-  /// See ColumnLender for the three.
+  /// Lends a column; see ColumnLender for this and the next two functions.
   nb::object column(std::string const& name) {
     Use const use(*this);
     return lender_.column(simulation().columns_of_agents(), name);
@@ -223,7 +223,7 @@ class PythonSimulation {
   }
   [[nodiscard]] bool has_end() const { return has_end_; }
   [[nodiscard]] std::string model() const { return setup_.configuration.model.kind; }
-  /// Names of the numbers 0, 1, 2 … of a column; empty where they have none.
+  /// Returns the meanings of the values 0, 1, 2 … of a column; none if they have no names.
   [[nodiscard]] std::vector<std::string> value_names(std::string const& column) const {
     return setup_.configuration.kind().value_names(column);
   }
@@ -288,10 +288,10 @@ class PythonSimulation {
   }
 
  private:
-  /// Keeps others from a simulation that is running; what its own callbacks ask for is answered.
+  /// Refuses the use of a running simulation by other threads; the run's own callbacks may read it.
   class Use {
    public:
-    /// `change` says what it is used for besides reading, in words for the refusal.
+    /// `change` names the intended change in the words of the error; null for reading.
     explicit Use(PythonSimulation& simulation, char const* change = nullptr) : simulation_(simulation) {
       if (simulation.process_ != getpid()) {
         throw std::runtime_error("this simulation was made in another process; make a new one after the fork");
@@ -330,7 +330,7 @@ class PythonSimulation {
                  .hint = "make the simulation anew, add them, and run it"});
   }
 
-  /// What a holder of arrays has written must be a state that can go on.
+  /// Throws if values that were written through arrays are no valid state.
   void check_changes() {
     if (!may_have_changed_ && !lender_.has_lent()) return;
     simulation().require_valid();
@@ -344,7 +344,7 @@ class PythonSimulation {
   pid_t process_;
   std::thread::id user_;
   Setup setup_;
-  std::vector<std::string> inputs_;  ///< files it was made from
+  std::vector<std::string> inputs_;  ///< files from which the simulation was made
   RunPlan plan_;
   bool has_end_ = false;
   bool ends_with_protocol_ = false;
@@ -352,7 +352,7 @@ class PythonSimulation {
   std::vector<std::unique_ptr<PythonWriter>> writers_;
   std::optional<Run> run_;
   ColumnLender lender_;
-  bool may_have_changed_ = false;  ///< by arrays that have been taken back
+  bool may_have_changed_ = false;  ///< by arrays that were taken back
 };
 
 std::vector<std::string> keys_of_settings() {

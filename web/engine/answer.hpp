@@ -1,6 +1,6 @@
 #pragma once
 
-// Values on their way to JavaScript. An exception of C++ does not cross: answer() makes it a part of the answer.
+// Converts values for JavaScript. A C++ exception cannot cross over, so answer() returns it as part of its result.
 
 #include <emscripten/bind.h>
 #include <emscripten/val.h>
@@ -25,7 +25,7 @@ inline Json json_of(Problem const& problem) {
           {"text", to_text(problem)}};
 }
 
-/// Text of a user may hold bytes that are no UTF-8; the page shows U+FFFD for them.
+/// Returns JSON as text; invalid UTF-8 in texts of a user becomes U+FFFD.
 inline std::string text_of(Json const& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 inline val failure(char const* kind, std::vector<Problem> const& problems) {
@@ -36,7 +36,7 @@ inline val failure(char const* kind, std::vector<Problem> const& problems) {
   return result;
 }
 
-/// {value} or {error}: the text of a JSON with the kind and the problems of a GridlockError.
+/// Returns {value: …} or {error: …}; the error is the JSON text of a GridlockError with its kind and problems.
 template <class Work>
 val answer(Work work) {
   try {
@@ -54,12 +54,12 @@ val answer(Work work) {
   }
 }
 
-/// A copy in an array of JavaScript's own: the memory here may move whenever it grows.
+/// Returns a copy as a JavaScript array, since the memory of C++ may move when it grows.
 template <class Number>
 val array_of(std::vector<Number> const& values) {
   return val(emscripten::typed_memory_view(values.size(), values.data())).call<val>("slice");
 }
-/// The same for 64 bits, of which embind 3.1.6 makes no views: the bytes of them.
+/// Returns a copy of 64-bit numbers, made from their bytes, since embind 3.1.6 has no views of such numbers.
 inline val array_of(std::vector<std::uint64_t> const& values) {
   auto const* const bytes = reinterpret_cast<std::uint8_t const*>(values.data());
   val const copy = val(emscripten::typed_memory_view(values.size() * sizeof(std::uint64_t), bytes)).call<val>("slice");

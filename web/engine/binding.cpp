@@ -19,7 +19,7 @@ namespace {
 
 using emscripten::val;
 
-/// A session, its calls guarded.
+/// A Session whose exceptions become results of answer().
 class Binding {
  public:
   explicit Binding(SettingsFile const& file) : session_(file) {}
@@ -117,10 +117,10 @@ val merge(std::string const& toml, val const& overrides) {
   return answer([&] { return given_settings(settings_of(toml, strings_of(overrides))); });
 }
 
-/// A mistake as no test finds one: what it leaves behind cannot be used any more.
+/// Simulates an internal error for tests; the engine cannot be used afterwards.
 void trap() { __builtin_trap(); }
 
-/// The same by calls that fill the stack.
+/// Simulates a stack overflow for tests.
 int fill_stack(int depth) {
   int volatile const deeper = depth + 1;
   return fill_stack(deeper) + deeper;

@@ -13,7 +13,7 @@ namespace gridlock::web {
 
 namespace {
 
-/// JSON has no infinity; the page takes nothing for one.
+/// Returns a number, or null for infinity and NaN, which JSON lacks.
 Json finite(double number) { return std::isfinite(number) ? Json(number) : Json(); }
 
 template <class Value>
@@ -21,7 +21,7 @@ Json json_of(std::optional<Value> const& value) {
   return value ? Json(*value) : Json();
 }
 
-/// Calls take(path, info, kind, value, choices) for every setting, lists of tables included.
+/// Calls take(path, info, kind, value, choices) for every setting, also for lists of tables.
 class Walk final : public SettingVisitor {
  public:
   using Take = std::function<void(std::string const& path, SettingInfo const& info, char const* kind, Json value,
@@ -51,7 +51,7 @@ class Walk final : public SettingVisitor {
     take(info, "tables", size);
     std::string const path = tables_.back() + std::string(info.key);
     if (enters_empty_lists_) {
-      // What an entry holds is only known from one, so lend the list one where it has none.
+      // Only an entry of the list describes its settings, so an empty list gets one entry for a moment.
       if (size == 0) resize(1);
       visit_entry(path + "[]", 0, describe_one);
       if (size == 0) resize(0);
@@ -76,7 +76,7 @@ class Walk final : public SettingVisitor {
   std::vector<std::string> tables_{""};
 };
 
-/// The words that a setting takes whose list is known at run time only.
+/// Returns the allowed words of a setting; for some settings the list is known only at run time.
 std::vector<std::string> words_of(std::string const& path, std::vector<std::string> const& choices) {
   if (path == "engine.kind") return engine_kinds();
   if (path != "model.kind") return choices;

@@ -12,20 +12,20 @@ namespace gridlock::web {
 
 using Json = nlohmann::ordered_json;
 
-/// Every setting, as the interface SettingDescription of gridlock.ts.
+/// Returns all settings, as SettingDescription of gridlock.ts.
 Json describe_settings();
 
-/// The models and the engines: name and documentation.
+/// Returns name and documentation of all models and engines.
 Json describe_models();
 Json describe_engines();
 
-/// The value of every setting by its dotted key; null for one that is left out.
+/// Returns the values of all settings by dotted key; null for settings without a value.
 Json values_of(Configuration& configuration);
 
-/// The settings of a TOML text, and "key=value" over them.
+/// Returns the settings of a TOML text with `overrides` of the form "key=value" on top.
 SettingsFile settings_of(std::string const& toml, std::vector<std::string> const& overrides);
 
-/// The settings that a file gives, one a line, as TOML. Errors: Error for settings that cannot be read.
+/// Returns the settings that a file sets, as TOML with a line for each. Errors: Error if settings are invalid.
 std::string given_settings(SettingsFile const& file);
 
 }  // namespace gridlock::web

@@ -14,8 +14,8 @@ from_chars_result from_chars(char const* first, char const* last, double& value)
   return {end, error};
 }
 
-/// The shortest text that reads back to the same bits. fmt chooses between the formats as the only caller does,
-/// number_text().
+/// Writes the shortest text that reads back as the same bits. fmt chooses the format, as its only caller number_text()
+/// requires.
 to_chars_result to_chars(char* first, char* last, double value, chars_format /*format*/) {
   auto const room = static_cast<size_t>(last - first);
   auto const [end, length] = fmt::format_to_n(first, room, "{}", value);
@@ -27,7 +27,7 @@ to_chars_result to_chars(char* first, char* last, double value, chars_format /*f
 
 namespace gridlock {
 
-// No page reads a compressed file, and zlib is no library of headers.
+// The page reads no compressed files, and zlib is not available as headers only.
 
 class GzipReader::Stream {};
 
@@ -40,7 +40,7 @@ GzipReader& GzipReader::operator=(GzipReader&&) noexcept = default;
 
 std::optional<std::size_t> GzipReader::read(std::span<char> /*into*/) { return std::nullopt; }
 
-// Trajectories in H5MD are read by h5wasm.
+// The page reads trajectories in H5MD by h5wasm.
 
 TrajectoryText text_of_trajectory(std::filesystem::path const& path) {
   throw Error({.what = path.string() + " is a trajectory in H5MD, and extended XYZ is read here",

@@ -1,8 +1,8 @@
 #pragma once
 
-// Included before every source by the compiler for WebAssembly: what C++20 has and the standard library of Emscripten
-// 3.1.6 lacks. Nothing of it changes a bit: algorithms on ranges are those of range-v3, the model of the standard's,
-// and numbers are read by fast_float and written by fmt, which round correctly, as charconv does.
+// The compiler for WebAssembly includes this file before every source: parts of C++20 that the standard library of
+// Emscripten 3.1.6 lacks. Results keep their bits: range algorithms are those of range-v3, on which the standard is
+// modelled, and numbers are read by fast_float and written by fmt, which round correctly, as charconv does.
 
 #include <range/v3/algorithm.hpp>
 #include <range/v3/range/access.hpp>
@@ -18,14 +18,13 @@
 #include <system_error>
 #include <type_traits>
 
-// Random123 refuses processors that it does not know. Nothing in it depends on which one it is, but for instructions of
-// x86.
+// Random123 refuses unknown processors. Its results do not depend on the processor; only x86 has special instructions.
 #define R123_USE_GNU_UINT128 1
 #define __riscv
 #include <Random123/features/compilerfeatures.h>
 #undef __riscv
 
-namespace std {  // NOLINT(cert-dcl58-cpp): the missing parts of it
+namespace std {  // the missing parts of it
 
 template <class To, class From>
 requires(sizeof(To) == sizeof(From) && is_trivially_copyable_v<To> && is_trivially_copyable_v<From>) constexpr To
@@ -38,7 +37,7 @@ requires is_unbounded_array_v<Array> unique_ptr<Array> make_unique_for_overwrite
   return unique_ptr<Array>(new remove_extent_t<Array>[size]);
 }
 
-/// There is one thread.
+/// A replacement without synchronization, since there is only one thread.
 template <class Value>
 class atomic_ref {
  public:

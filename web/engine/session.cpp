@@ -20,12 +20,12 @@ namespace gridlock::web {
 
 namespace {
 
-/// A page that does nothing for longer looks broken.
+/// Longest allowed start in seconds, since a page that does not respond for longer seems broken.
 constexpr double longest_start = 60.0;
-/// What a saved session says after its fingerprint.
+/// Character in a saved session after its fingerprint, if it was saved within a step.
 constexpr char within_step = '1';
 constexpr char between_steps = '0';
-/// Between two looks at the clock: much less than a frame of the screen.
+/// Time between two readings of the clock in seconds, much less than a frame of the screen.
 constexpr double seconds_between_looks = 0.002;
 
 void refuse_files(SettingsFile const& file) {
@@ -82,7 +82,7 @@ Session::Session(SettingsFile const& file) : setup_(set_up_for_page(file)), plan
   plan_.seconds_per_look = seconds_between_looks;
   fingerprint_ = fingerprint_of(configuration());
   start_run(plan_);
-  // Samples of the start are due where nothing has moved yet.
+  // The samples at the start are due before the first step.
   if (simulation().is_prepared()) advance(0, 0.0);
   take_first_frame();
   mark_ = mark_for(first_);
@@ -175,7 +175,7 @@ std::uint64_t Session::advance(std::uint64_t steps, double milliseconds) {
 void Session::lengthen() {
   if (plan_.stop_condition.step == never_reached && !std::isfinite(plan_.stop_condition.time)) return;
   std::string const saved = to_checkpoint([&](Archive& archive) { run_->serialize(archive); });
-  // What the end would have left out of the averages is still left out.
+  // Samples that the equilibration has left out so far stay left out when the run has no end.
   double const steps = static_cast<double>(simulation().clock().step);
   double const share = std::max(run_->fraction_done(), 1e-9);
   left_out_until_ = static_cast<std::uint64_t>(plan_.equilibration * std::min(steps / share, 9e15));
@@ -252,7 +252,7 @@ std::vector<Json> Session::drawn_columns() const {
   std::vector<Json> all;
   ModelKind const& model = setup_.configuration.kind();
   for (std::string const& name : colours_of(first_)) {
-    if (name == "neighbourhood") continue;  // a matter of cells, which the page knows
+    if (name == "neighbourhood") continue;  // the page colours cells itself
     if (name == "displacement") {
       all.push_back(drawn(name, "length", "How far each agent has come from where it started."));
     } else if (name == "psi6") {
@@ -275,7 +275,7 @@ std::vector<float> Session::drawn_column(std::string const& name) {
     for (double const value : values) result.push_back(static_cast<float>(value));
     return result;
   };
-  // A plain column needs no copy of all the others.
+  // A plain column can be read without a copy of the other columns.
   std::vector<std::string> const colours = colours_of(first_);
   if (first_.find(name) != nullptr || std::ranges::find(colours, name) == colours.end())
     return as_floats(numbers_of(name));
@@ -307,7 +307,7 @@ Json Session::results() const {
 }
 
 Json Session::protocol_tables() const {
-  // JSON has no "not a number"; the page takes nothing for one.
+  // NaN, which JSON lacks, becomes null.
   auto const cells = [](std::vector<double> const& values) {
     Json all = Json::array();
     for (double const value : values) all.push_back(std::isfinite(value) ? Json(value) : Json());
@@ -332,14 +332,14 @@ double Session::cutoff() {
     auto const radii = view.column<Radius>();
     return radii.empty() ? 0.0 : 2.0 * *std::ranges::max_element(radii);
   }
-  // How far an agent of a model sees is a setting of that name.
+  // Models declare the range of interaction as their setting "radius"; without it, three marks are used.
   Json const values = values_of(setup_.configuration);
   auto const radius = values.find(setup_.configuration.model.kind + ".radius");
   return radius == values.end() || !radius->is_number() ? 3.0 * mark_ : radius->get<double>();
 }
 
 CellLayout Session::layout() {
-  // As the paper's lists, whose cells do not shrink below the cutoff, and no finer than a screen shows.
+  // Cells are no smaller than the cutoff, as in the paper's lists, and no finer than a screen can show.
   static constexpr double max_cells = 4096.0;
   Box const& box = simulation().box();
   auto const cells = [](double length, double side) {

@@ -13,74 +13,74 @@
 
 namespace gridlock::web {
 
-/// A simulation of the page, with its run: the interface Session of gridlock.ts.
+/// A simulation of the page with its run, as Session of gridlock.ts.
 class Session {
  public:
-  /// Errors: those of set_up(), and Error for what a page cannot do: read files, wait long for a start.
+  /// Errors: those of set_up(), and Error for settings that a page does not support: files, or a long start.
   explicit Session(SettingsFile const& file);
 
-  /// What does not change: title, box, settings, columns, notes of the set-up.
+  /// Returns the constant properties: title, box, settings, columns, notes of the set-up.
   [[nodiscard]] Json description();
-  /// What does: clock, preparation, how much is done.
+  /// Returns the changing properties: clock, state of the protocol, progress.
   [[nodiscard]] Json status() const;
-  /// Those of the set-up, and of the protocol once it has ended.
+  /// Returns the notes of the set-up, and those of the protocol after its end.
   [[nodiscard]] Json notes() const;
   [[nodiscard]] std::string configuration();
   [[nodiscard]] Json values() { return values_of(setup_.configuration); }
 
-  /// Goes on by so many steps or for so long; returns the steps done. Errors: RunFailure.
+  /// Advances by a number of steps or for a time, whichever ends first; returns the steps. Errors: RunFailure.
   std::uint64_t advance(std::uint64_t steps, double milliseconds);
   void lengthen();
 
   [[nodiscard]] std::vector<double> ids();
-  /// The values of a column in the order of the Ids. Errors: Error for a name that is no column.
+  /// Returns the values of a column in the order of Ids. Errors: Error for a name that is not a column.
   [[nodiscard]] FrameValues column(std::string const& name);
-  /// x and y of each agent, side by side.
+  /// Returns x and y of each agent, side by side.
   [[nodiscard]] std::vector<float> positions();
   [[nodiscard]] std::vector<float> radii();
-  /// A column as it is drawn. Errors: Error for a name that is none of those that description() lists.
+  /// Returns the values of a colour for drawing. Errors: Error for a name that description() does not list.
   [[nodiscard]] std::vector<float> drawn_column(std::string const& name);
 
-  /// The rows of the series from one on, one after the other.
+  /// Returns the rows of the series from `from_row` on, one after the other.
   [[nodiscard]] std::vector<double> series(std::size_t from_row) const;
   [[nodiscard]] Json results() const;
-  /// The tables "stages" and "levels" of a protocol, of the stages that have ended; none without one.
+  /// Returns the tables "stages" and "levels" for the stages that have ended; none without a protocol.
   [[nodiscard]] Json protocol_tables() const;
 
   [[nodiscard]] std::string state_hash() const;
-  /// Errors: Error where there is no such agent.
+  /// Returns the neighbourhood of an agent. Errors: Error if there is no such agent.
   [[nodiscard]] Json neighbourhood(double id);
-  /// Two Ids for each contact of a packing; and the forces. Empty where there are none.
+  /// Returns two Ids for each contact of a packing, contact_forces() the forces; nothing for other runs.
   [[nodiscard]] std::vector<double> contact_ids() const;
   [[nodiscard]] std::vector<double> contact_forces() const;
 
   [[nodiscard]] std::string save();
-  /// Errors: Error for bytes that save() did not make in a session of the same settings; nothing has changed then.
+  /// Errors: Error if save() did not make the bytes with the same settings; the session is then unchanged.
   void restore(std::string const& bytes);
 
  private:
   [[nodiscard]] Simulation& simulation() const { return *setup_.simulation; }
   void start_run(RunPlan const& plan);
-  /// Displacements are counted from here.
+  /// Takes the present frame as the origin of displacements.
   void take_first_frame();
   [[nodiscard]] std::vector<Json> drawn_columns() const;
   [[nodiscard]] std::vector<std::uint32_t> const& rows();
   [[nodiscard]] NamedColumn find_column(std::string_view name) const;
   [[nodiscard]] std::vector<double> numbers_of(std::string_view name);
-  /// How near two agents are that see each other; the side of a cell is no smaller.
+  /// Returns the distance within which agents interact; a cell has at least this side.
   [[nodiscard]] double cutoff();
   [[nodiscard]] CellLayout layout();
 
   Setup setup_;
   RunPlan plan_;
-  std::string fingerprint_;  ///< of the settings, for what is saved
+  std::string fingerprint_;  ///< hash of the settings, to recognize saved sessions
   std::optional<Run> run_;
-  std::optional<std::uint64_t> left_out_until_;  ///< by a run without an end
+  std::optional<std::uint64_t> left_out_until_;  ///< last step left out of averages in a run without an end
   Frame first_;
-  double mark_ = 0.0;  ///< the radius of agents that have none
+  double mark_ = 0.0;  ///< radius of the mark for agents without a radius
   std::vector<std::uint32_t> rows_;
   bool are_rows_known_ = false;
-  bool is_within_step_ = false;  ///< perhaps: the last call of advance() was out of time
+  bool is_within_step_ = false;  ///< whether advance() may have stopped within a step, when its time was over
 };
 
 }  // namespace gridlock::web

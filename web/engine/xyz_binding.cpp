@@ -1,4 +1,4 @@
-// The functions that xyz_reader.ts calls: the page reads extended XYZ as the program does.
+// The functions that xyz_reader.ts calls, so that the page reads extended XYZ as the program does.
 
 #include <emscripten/bind.h>
 #include <emscripten/val.h>
@@ -42,7 +42,7 @@ val value_of(xyz::ShownFrame const& frame) {
   return value;
 }
 
-/// `first_line` is that of the bytes in the file called `name`.
+/// Reads a frame from bytes; `first_line` is the number of their first line in the file `name`.
 val read_frame(val const& bytes, std::string const& name, int first_line) {
   return answer([&] {
     std::string const text = bytes_of(bytes);
