@@ -352,7 +352,7 @@ class PythonSimulation {
   std::vector<std::unique_ptr<PythonWriter>> writers_;
   std::optional<Run> run_;
   ColumnLender lender_;
-  bool may_have_changed_ = false;  ///< by arrays that were taken back
+  bool may_have_changed_ = false;  ///< whether agents may have changed through earlier arrays
 };
 
 std::vector<std::string> keys_of_settings() {

@@ -71,7 +71,7 @@ enum class Saved { everything, rows, all_but_rows };
 
 class SavingArchive final : public NamedArchive {
  public:
-  /// `parts` are the files with the rows, where the archive itself saves none.
+  /// `parts` lists the files with the rows of all processes, for Saved::all_but_rows; empty otherwise.
   explicit SavingArchive(Saved saved, std::span<CheckpointPart const> parts = {}) : saved_(saved), parts_(parts) {}
 
   [[nodiscard]] checkpoint::Members& members() { return members_; }

@@ -44,7 +44,7 @@ std::string in_cbor(Json const& value) {
 
 /// Returns the bytes that CBOR puts before `length` bytes or members: type and length, in as few bytes as possible.
 std::string head_of(CborKind kind, std::uint64_t length) {
-  // Json writes a whole number; only the three bits of the type differ from that.
+  // Json writes a whole number with this length; the types differ only in the first three bits.
   std::string head = in_cbor(Json(length));
   head[0] = static_cast<char>(static_cast<unsigned char>(head[0]) | (kind << 5));
   return head;

@@ -291,7 +291,7 @@ void H5mdWriter::Trajectory::append() {
   try {
     hdf5::open_file(path_, Access::append);
   } catch (hdf5::Failure const&) {
-    // A writer that was killed left its mark in the file.
+    // A killed writer left HDF5's mark of an open file, so that HDF5 refuses to append.
     hdf5::repair_file(path_);
     hdf5::open_file(path_, Access::append);
   }

@@ -60,7 +60,7 @@ struct MeanDisk {
   double speed = 0.0;
 };
 
-/// Returns nothing for agents without radii and velocities. Reads the frame in pieces, since processes may share it.
+/// Returns nothing for agents without radii and velocities. Reads the frame in pieces, which processes may share.
 std::optional<MeanDisk> mean_disk_of(FrameSource const& frame) {
   auto const radius = frame.find(Radius::name);
   auto const x = frame.find(VelocityX::name);
