@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "grid/sorted_points.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/random.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 #include "gridlock/grid/neighbour_search.hpp"
 #include "measure.hpp"
@@ -84,7 +85,7 @@ Points in_cell_order(Points const& points) {
 std::uint64_t count_pairs_plainly(Box const& box, double cutoff, PointsInMemory const& points) {
   ThreadPool pool(1);
   CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);
-  SortedPoints const sorted(layout, {}, points, pool);
+  CellList const sorted(layout, {}, points, pool);
   double const* const x = sorted.x();
   double const* const y = sorted.y();
   std::uint64_t pairs = 0;
@@ -130,7 +131,7 @@ void race_at(Crowd const& crowd, std::string const& order, Points const& start, 
   std::vector<Contestant> contestants;
   contestants.push_back(contestant("counting sort", [=] {
     ThreadPool pool(1);
-    SortedPoints const sorted(layout_for_cutoff(box, points->cutoff, n), {}, in_memory, pool);
+    CellList const sorted(layout_for_cutoff(box, points->cutoff, n), {}, in_memory, pool);
     *found = sorted.index(n / 2) < n ? n : 0;
   }));
   contestants.push_back(contestant("build", [=] {

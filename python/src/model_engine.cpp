@@ -118,7 +118,7 @@ void PythonModelEngine::apply(World<TableModel>& world, ModelWorld const& asked)
 void PythonModelEngine::sort_rows(World<TableModel>& world) {
   if (world.agents.size() == 0) return;
   order_.sort(layout_of(world), world.agents.x(), world.agents.y(), world.agents.ids(), thread_pool_);
-  world.agents.reorder(order_.rows());
+  world.agents.reorder(order_.indices());
 }
 
 PythonModelObservations::PythonModelObservations(ModelInstance model, World<TableModel>& world)

@@ -7,7 +7,7 @@
 
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/grid/detail/cell_order.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "model.hpp"
 #include "model_world.hpp"
@@ -48,7 +48,7 @@ class PythonModelEngine final : public EngineFor<TableModel> {
   ModelInstance model_;
   AgentTable before_;  ///< agents before the step, to restore them if it fails
   ThreadPool thread_pool_;
-  CellOrder order_;
+  CellList order_;
 };
 
 /// Throws RunFailure if an agent is outside the box.

@@ -10,8 +10,8 @@
 
 #include "core/avx512.hpp"
 #include "grid/require.hpp"
-#include "grid/sorted_points.hpp"
-#include "gridlock/grid/detail/row_block.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 
 namespace gridlock {
 
@@ -65,8 +65,8 @@ auto* fastest_find_bins() {
 /// Numbers of pairs of every two kinds in bins; one further bin counts pairs out of the range.
 class Histogram {
  public:
-  Histogram(Box const& box, SortedPoints const& points, std::vector<std::uint32_t> const& kind_of_row,
-            std::size_t kinds, double range, std::size_t bins)
+  Histogram(Box const& box, CellList const& points, std::vector<std::uint32_t> const& kind_of_row, std::size_t kinds,
+            double range, std::size_t bins)
       : box_(box),
         points_(points),
         kind_of_row_(kind_of_row),
@@ -77,7 +77,7 @@ class Histogram {
   /// Counts all pairs whose first point is in rows of cells `first` … `end` − 1.
   [[nodiscard]] std::vector<std::uint64_t> count(int first, int end) const {
     CellLayout const& layout = points_.layout();
-    RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
+    auto const blocks = points_.blocks();
     std::vector<std::uint64_t> counts(kinds_ * kinds_ * stride_, 0);
     for (int row = first; row < end; ++row) {
       for (int column = 0; column < layout.columns(); ++column) {
@@ -119,7 +119,7 @@ class Histogram {
   }
 
   Box const& box_;
-  SortedPoints const& points_;
+  CellList const& points_;
   std::vector<std::uint32_t> const& kind_of_row_;
   std::size_t kinds_;
   std::size_t stride_;
@@ -173,7 +173,7 @@ PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& po
                                         std::span<std::uint32_t const> kinds, std::uint64_t threads) {
   require(box, points, range, bins, kinds);
   ThreadPool pool(threads);
-  SortedPoints const sorted(layout_for_cutoff(box, range, points.count), {}, points, pool);
+  CellList const sorted(layout_for_cutoff(box, range, points.count), {}, points, pool);
   std::vector<double> sizes(kinds.empty() ? 1 : std::ranges::max(kinds) + 1, 0.0);
   std::vector<std::uint32_t> kind_of_row(points.count, 0);
   for (std::size_t row = 0; row < points.count; ++row) {

@@ -9,8 +9,8 @@
 
 #include "analysis/voronoi_polygon.hpp"
 #include "grid/require.hpp"
-#include "grid/sorted_points.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 
 namespace gridlock {
 
@@ -36,7 +36,7 @@ struct Band {
 /// Makes the Voronoi cells of the points in a range of rows of grid cells.
 class CellMaker {
  public:
-  CellMaker(Box const& box, SortedPoints const& points)
+  CellMaker(Box const& box, CellList const& points)
       : box_(box),
         points_(points),
         layout_(points.layout()),
@@ -146,7 +146,7 @@ class CellMaker {
   }
 
   Box const& box_;
-  SortedPoints const& points_;
+  CellList const& points_;
   CellLayout const& layout_;
   double cell_width_;
   double cell_height_;
@@ -165,7 +165,7 @@ void require_inside_walls(Box const& box, PointsInMemory const& points) {
 }
 
 /// Returns the lists of all bands in the order of the points.
-VoronoiCells collected(std::vector<Band> const& bands, SortedPoints const& points, std::size_t count) {
+VoronoiCells collected(std::vector<Band> const& bands, CellList const& points, std::size_t count) {
   VoronoiCells cells{.neighbours = {.begin = std::vector<std::uint64_t>(count + 1, 0), .neighbours = {}},
                      .areas = std::vector<double>(count)};
   std::size_t row = 0;
@@ -212,7 +212,7 @@ VoronoiCells find_voronoi_cells(Box const& box, PointsInMemory const& points, st
   require_box_for(box, 0.0);
   require_inside_walls(box, points);
   ThreadPool pool(threads);
-  SortedPoints const sorted(layout_for(box, points.count), {}, points, pool);
+  CellList const sorted(layout_for(box, points.count), {}, points, pool);
   std::vector<int> const ends = bands_of(sorted, pool);
   std::vector<Band> bands(ends.size() - 1);
   pool.for_each(bands.size(), [&](std::size_t b) { bands[b] = CellMaker(box, sorted).make(ends[b], ends[b + 1]); });

@@ -14,10 +14,9 @@
 #include "grid/candidate_pairs.hpp"
 #include "grid/require.hpp"
 #include "grid/sorted_pairs.hpp"
-#include "grid/sorted_points.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
-#include "gridlock/grid/detail/row_block.hpp"
 
 namespace gridlock {
 
@@ -53,8 +52,8 @@ struct Band {
 };
 
 /// Finds the neighbours of all rows of a band, as rows.
-void search_band(SortedPoints const& points, Box const& box, double cutoff, int first_row, int end_row, Band& band) {
-  RowBlocks const blocks(points.layout(), [&](int column, int row) { return points.first_of(column, row); });
+void search_band(CellList const& points, Box const& box, double cutoff, int first_row, int end_row, Band& band) {
+  auto const blocks = points.blocks();
   points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange rows) {
     RowBlock const block = blocks.around(column, cell_row);
     std::uint32_t* const counts = band.counts.room_for(rows.end - rows.first);
@@ -96,14 +95,18 @@ SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
   return {Box(side(least.x, most.x), side(least.y, most.y), Edge::wall), least};
 }
 
+/// Sorts the points into cells with sides of at least `cutoff`. Where the points crowd in a part of the box, the cells
+/// are as small as that allows, and only occupied ones are stored.
+CellList sorted(SearchFrame const& frame, double cutoff, PointsInMemory const& points, ThreadPool& pool) {
+  CellLayout const layout = layout_for_cutoff(frame.box, cutoff, points.count);
+  return {layout, frame.origin, points, pool, layout_for_crowd(frame.box, cutoff, points.count, layout)};
+}
+
 /// Sorts points and searches their neighbours; results are kept in bands.
 class Search {
  public:
   Search(SearchFrame const& frame, double cutoff, PointsInMemory const& points, ThreadPool& pool)
-      : box_(frame.box),
-        cutoff_(cutoff),
-        pool_(pool),
-        points_(sorted_for_cutoff(frame.box, frame.origin, cutoff, points, pool_)) {
+      : box_(frame.box), cutoff_(cutoff), pool_(pool), points_(sorted(frame, cutoff, points, pool_)) {
     ends_ = bands_of(points_, pool_);
   }
 
@@ -138,7 +141,7 @@ class Search {
   /// Contract: the cutoff is at most that of the search.
   std::span<std::uint32_t const> near(Vector place, double cutoff, Found<std::uint32_t>& found) const {
     CellLayout const& layout = points_.layout();
-    RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
+    auto const blocks = points_.blocks();
     Vector const p = layout.image_in_cell(place);
     RowBlock const block = blocks.around(layout.column_of(p.x), layout.row_of(p.y));
     if (block.candidates == 0) return {};
@@ -153,7 +156,7 @@ class Search {
                                               block.ranges(), rows);
     return {rows, count};
   }
-  [[nodiscard]] SortedPoints const& points() const { return points_; }
+  [[nodiscard]] CellList const& points() const { return points_; }
 
   NeighbourLists lists(std::size_t count) const {
     std::vector<Band> bands(ends_.size() - 1);
@@ -199,7 +202,7 @@ class Search {
   Box box_;
   double cutoff_;
   ThreadPool& pool_;
-  SortedPoints points_;
+  CellList points_;
   std::vector<int> ends_;  ///< 0, then the end of each band in rows of cells
 };
 
@@ -364,7 +367,7 @@ PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInM
     });
   }
   for (std::size_t small = 1; small < classes.size(); ++small) {
-    SortedPoints const& seeking = searches[small]->points();
+    CellList const& seeking = searches[small]->points();
     for (std::size_t large = 0; large < small; ++large) {
       Search const& found_among = *searches[large];
       double const cutoff = cutoff_of(classes[small], classes[large]);

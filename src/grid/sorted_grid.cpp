@@ -9,10 +9,9 @@
 
 #include "grid/candidate_pairs.hpp"
 #include "grid/sorted_pairs.hpp"
-#include "grid/sorted_points.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
-#include "gridlock/grid/detail/row_block.hpp"
 
 namespace gridlock {
 
@@ -45,17 +44,17 @@ PointsInMemory in_memory(std::span<double const> x, std::span<double const> y) {
   return {.x = x.data(), .y = y.data(), .count = x.size()};
 }
 
-SortedPoints sorted(CellLayout const& layout, std::span<double const> x, std::span<double const> y) {
+CellList sorted(CellLayout const& layout, std::span<double const> x, std::span<double const> y) {
   ThreadPool alone(1);
-  return SortedPoints::of_crowd(layout, in_memory(x, y), alone);
+  return CellList::of_crowd(layout, in_memory(x, y), alone);
 }
 
 }  // namespace
 
 SortedGrid::SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y)
-    : box_(box), points_(std::make_unique<SortedPoints>(sorted(layout, x, y))) {}
+    : box_(box), points_(std::make_unique<CellList>(sorted(layout, x, y))) {}
 SortedGrid::SortedGrid(SortedGrid const& other)
-    : box_(other.box_), points_(std::make_unique<SortedPoints>(*other.points_)) {}
+    : box_(other.box_), points_(std::make_unique<CellList>(*other.points_)) {}
 SortedGrid::SortedGrid(SortedGrid&& other) noexcept = default;
 SortedGrid& SortedGrid::operator=(SortedGrid other) noexcept {
   box_ = other.box_;
@@ -77,9 +76,9 @@ double SortedGrid::squared_limit(double cutoff) const {
 }
 
 void SortedGrid::find_candidates(Vector p, double cutoff, OnAgents const& on_agents) const {
-  SortedPoints const& points = *points_;
+  CellList const& points = *points_;
   CellLayout const& layout = points.layout();
-  RowBlocks const blocks(layout, [&](int column, int row) { return points.first_of(column, row); });
+  auto const blocks = points.blocks();
   p = layout.image_in_cell(p);
   RowBlock const block = blocks.around(layout.column_of(p.x), layout.row_of(p.y));
   RowSearch const search{.x = points.x(),

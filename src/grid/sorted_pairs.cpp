@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "gridlock/grid/detail/row_block.hpp"
-
 namespace gridlock {
 
 namespace {
@@ -57,13 +55,13 @@ AddPairsOfRows add_pairs_of_rows_kernel(Target target) {
   return add_pairs_of_rows_scalar;
 }
 
-void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
+void add_pairs_of_cells(CellList const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
                         PairBuffer& buffer) {
   static AddPairsOfRows const add_pairs = add_pairs_of_rows_kernel(target());
-  RowBlocks const blocks(points.layout(), [&](int column, int row) { return points.first_of(column, row); });
+  auto const blocks = points.blocks();
   SortedRows const sorted{.x = points.x(),
                           .y = points.y(),
-                          .index = points.indices(),
+                          .index = points.indices().data(),
                           .size = points.size(),
                           .squared_cutoff = squared_cutoff};
   if (!blocks.has_halves()) {

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "grid/candidate_pairs.hpp"
-#include "grid/sorted_points.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/target.hpp"
+#include "gridlock/grid/detail/cell_list.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
 
 namespace gridlock {
@@ -41,7 +41,7 @@ void add_pairs_of_rows_scalar(SortedRows const& rows, RowRange cell, std::span<R
 
 /// Adds all pairs of points with |separation|² < squared_cutoff whose first point is in rows first_row … end_row − 1 of
 /// cells. Contract: the cutoff is at most the shorter side of a cell.
-void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
+void add_pairs_of_cells(CellList const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
                         PairBuffer& buffer);
 
 /// Returns the kernel written with Highway, or nullptr where it has none for these instructions.

@@ -56,17 +56,20 @@ class CellNumbers {
   /// Returns the number of a cell of the window; for a cell beside the window in one of its rows, the number of cells
   /// before.
   [[nodiscard]] std::size_t number_of(int column, int row) const {
-    if (is_whole_) {
-      return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_.end) + static_cast<std::size_t>(column);
-    }
-    return static_cast<std::size_t>(rows_.place_of(row)) * static_cast<std::size_t>(columns()) +
-           static_cast<std::size_t>(columns_.place_of(column));
+    if (!is_whole_) [[unlikely]]
+      return number_in_window(column, row);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_.end) + static_cast<std::size_t>(column);
   }
   /// Return the column or row of the box that is number `place` in the window.
   [[nodiscard]] int column_at(int place) const { return columns_.at(place); }
   [[nodiscard]] int row_at(int place) const { return rows_.at(place); }
 
  private:
+  [[nodiscard]] std::size_t number_in_window(int column, int row) const {
+    return static_cast<std::size_t>(rows_.place_of(row)) * static_cast<std::size_t>(columns()) +
+           static_cast<std::size_t>(columns_.place_of(column));
+  }
+
   /// The columns or rows of a window: 0 … head − 1 and first … end − 1 of the box.
   struct Side {
     int head = 0, first = 0, end = 0;

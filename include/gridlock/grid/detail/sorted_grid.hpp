@@ -12,7 +12,7 @@
 
 namespace gridlock {
 
-class SortedPoints;
+class CellList;
 
 /// Copies of points sorted by their cells, for points that crowd: cells are as small as the cutoff, and only occupied
 /// cells are stored. move_all() puts single points into their new cells, or sorts all points if many have changed
@@ -58,7 +58,7 @@ class SortedGrid {
   [[nodiscard]] double squared_limit(double cutoff) const;
 
   Box box_;
-  std::unique_ptr<SortedPoints> points_;
+  std::unique_ptr<CellList> points_;
 };
 
 }  // namespace gridlock
