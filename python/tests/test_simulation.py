@@ -44,12 +44,26 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("engine", ["stepped", "tiled", "exact"])
-@pytest.mark.parametrize("scene", SCENES)
+THERMOSTATS = {
+    "brownian": {
+        "box": {"edge": "periodic", "width": 1.2}, "run.time": 0.5,
+        "disks": {"count": 300, "packing_fraction": 0.4, "start": "random",
+                  "species": [{"fraction": 0.5}, {"fraction": 0.5, "size_ratio": 1.4, "mass": 1.96}]},
+        "thermostat": {"kind": "brownian", "temperature": 0.5, "interval": 0.004},
+    },
+    "andersen": {
+        "box.width": 1.2, "disks": {"count": 300, "packing_fraction": 0.5, "start": "random"}, "run.time": 0.5,
+        "thermostat": {"kind": "andersen", "temperature": 0.5, "rate": 20},
+    },
+}
+SCENES_OF_ENGINES = [(scene, engine) for scene in SCENES for engine in ("stepped", "tiled", "exact")]
+
+
+@pytest.mark.parametrize(("scene", "engine"), [*SCENES_OF_ENGINES, *((scene, "exact") for scene in THERMOSTATS)])
 def test_the_golden_hashes_are_those_of_the_table(root, scene, engine):
     with open(root / "tests/golden/hashes.csv", newline="") as file:
         row = next(row for row in csv.DictReader(file) if (row["scene"], row["engine"]) == (scene, engine))
-    simulation = gridlock.Simulation({**SCENES[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
+    simulation = gridlock.Simulation({**(SCENES | THERMOSTATS)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
     assert simulation.state_hash == row["start"]
     for _ in range(3):
         simulation.run(steps=7)

@@ -61,6 +61,13 @@ EngineRecord const& engine_record(std::string_view kind) {
                .key = "engine.kind"});
 }
 
+void require_thermostat(EngineRecord const& engine, ThermostatSettings const& thermostat) {
+  if (engine.uses_thermostat || thermostat.kind == ThermostatKind::none) return;
+  throw Error({.what = fmt::format("the engine \"{}\" has no thermostat", engine.name),
+               .hint = "use engine.kind = \"exact\", or thermostat.kind = \"none\"",
+               .key = "thermostat.kind"});
+}
+
 std::vector<std::string> engine_kinds() {
   std::vector<std::string> kinds;
   for (EngineRecord const& record : registry()) kinds.emplace_back(record.name);
@@ -68,7 +75,9 @@ std::vector<std::string> engine_kinds() {
 }
 
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
-  return engine_record(settings.kind).make(settings, state);
+  EngineRecord const& record = engine_record(settings.kind);
+  require_thermostat(record, settings.thermostat);
+  return record.make(settings, state);
 }
 
 double step_duration(EngineSettings const& settings, State const& state) {

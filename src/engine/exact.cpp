@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <string_view>
 
 #include "engine/exact/dynamics.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
@@ -69,6 +71,13 @@ void require_masses_of_like_size(State const& state) {
        .key = "disks.species"});
 }
 
+/// Returns the mean of 2 kT/m.
+double thermal_speed_squared(State const& state, double temperature) {
+  double sum = 0.0;  // in the order of the Ids
+  for (std::uint32_t const row : rows_in_order(state.agents.ids())) sum += 1.0 / state.agents.column<Mass>()[row];
+  return 2.0 * temperature * sum / static_cast<double>(state.agents.size());
+}
+
 /// The least number of disks for threads: with fewer, every disk of a strip would be near its border.
 constexpr std::size_t min_disks_to_share = 5000;
 
@@ -89,6 +98,7 @@ EngineRecord exact_record() {
           .documentation = "goes from collision to collision without a time step",
           .has_time_step = false,
           .uses_threads = true,
+          .uses_thermostat = true,
           .bytes_per_disk = 340.0,
           .bytes_per_disk_of_threads = 310.0,
           .bytes_per_disk_of_checkpoint = 163.0,
@@ -105,7 +115,10 @@ EngineRecord exact_record() {
 }
 
 ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
-    : audit_every_(settings.audit_every), duration_(step_duration(settings, state)), thread_count_(settings.threads) {
+    : audit_every_(settings.audit_every),
+      duration_(step_duration(settings, state)),
+      thread_count_(settings.threads),
+      thermostat_settings_(resolved(settings.thermostat, state.agents)) {
   require_exact_start(state);
 }
 
@@ -126,20 +139,29 @@ std::vector<Count> ExactEngine::audits() const {
 
 bool ExactEngine::is_as_left(State const& state) const { return dynamics_ != nullptr && left_.is(state); }
 
-void ExactEngine::start_from(State const& state) {
+void ExactEngine::start_from(State& state) {
   require_exact_start(state);
   earlier_audits_ = made_audits();
+  if (thermostat_settings_.kind != ThermostatKind::none) {
+    thermostat_.emplace(thermostat_settings_, state.seed);
+    thermostat_->start_from(state);
+  }
   make_dynamics(state);
   start_time_ = state.clock.time;
   next_step_time_ = state.clock.time + duration_;
+  expect_kick();
 }
 
 void ExactEngine::make_dynamics(State const& state) {
   dynamics_ = nullptr;  // the old memory is freed before the new is allocated
-  if (threads_ == nullptr && state.agents.size() >= min_disks_to_share) {
+  // Kicks of single disks come too often for threads to fly apart.
+  bool const can_share = thermostat_settings_.kind != ThermostatKind::andersen;
+  if (threads_ == nullptr && can_share && state.agents.size() >= min_disks_to_share) {
     threads_ = std::make_unique<ThreadPool>(thread_count_);
   }
-  dynamics_ = std::make_unique<exact::Dynamics>(state, exact::DynamicsOptions{.sharing = {.threads = threads_.get()}});
+  exact::DynamicsOptions options{.sharing = {.threads = threads_.get()}};
+  if (thermostat_) options.thermal_speed_squared = thermal_speed_squared(state, *thermostat_settings_.temperature);
+  dynamics_ = std::make_unique<exact::Dynamics>(state, options);
 }
 
 void ExactEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
@@ -166,7 +188,9 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
       leave_at_last_event(state, is_interrupted ? std::nextafter(target, state.clock.time) : target);
       return;
     }
-    if (pass_steps_until(target, state.clock) && stop_condition.stops_here()) break;
+    bool const ends_step = pass_steps_until(target, state.clock);
+    if (target >= next_kick_time()) thermostat_->kick(*dynamics_, start_time_);
+    if (ends_step && stop_condition.stops_here()) break;
   }
   dynamics_->write(state.clock.time - start_time_, state);
   left_.remember(state);
@@ -180,7 +204,15 @@ double ExactEngine::next_target(Clock const& clock, StopCondition const& stop_co
   for (std::uint64_t step = clock.step + 1; step < stop_condition.step && target + duration_ <= end_of_window; ++step) {
     target += duration_;
   }
-  return std::min(target, stop_condition.time);
+  return std::min({target, stop_condition.time, next_kick_time()});
+}
+
+void ExactEngine::expect_kick() {
+  if (thermostat_ && thermostat_->is_brownian()) dynamics_->expect_kick(thermostat_->next_time() - start_time_);
+}
+
+double ExactEngine::next_kick_time() const {
+  return thermostat_ ? thermostat_->next_time() : std::numeric_limits<double>::infinity();
 }
 
 /// Moves the clock to this time. Returns whether a step ends there.
@@ -217,7 +249,10 @@ void ExactEngine::leave_at_last_event(State& state, double latest) {
 void ExactEngine::serialize(Archive& archive, State const& state) {
   bool has_started = dynamics_ != nullptr;
   archive.visit("has_started", has_started);
-  if (archive.is_restoring() && has_started) make_dynamics(state);
+  if (archive.is_restoring() && has_started) {
+    if (thermostat_settings_.kind != ThermostatKind::none) thermostat_.emplace(thermostat_settings_, state.seed);
+    make_dynamics(state);
+  }
   if (archive.is_restoring() && !has_started) dynamics_ = nullptr;
   if (!has_started) return;
   if (audit_every_ > 0) {
@@ -228,6 +263,10 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
   archive.visit("start_time", start_time_);
   archive.visit("next_step_time", next_step_time_);
   serialize_inside(archive, "dynamics", [&] { dynamics_->serialize(archive); });
+  if (thermostat_) {
+    serialize_inside(archive, "thermostat", [&] { thermostat_->serialize(archive, state); });
+    if (archive.is_restoring()) expect_kick();
+  }
   left_.remember(state);
 }
 

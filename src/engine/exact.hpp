@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "engine/exact/left_state.hpp"
+#include "engine/exact/thermostat.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock {
@@ -32,6 +34,7 @@ double side_for_images(State const& state);
 /// Errors: Error for a state that validate() refuses with a tolerance for rounding, for a periodic box in which two
 /// disks could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
 /// collisions without end keep the time from passing.
+/// A thermostat gives disks new velocities at times that do not depend on the calls either.
 /// Cost: O(1) per collision. Threads share the work of many disks; any number of them gives the same bits.
 class ExactEngine final : public Engine {
  public:
@@ -52,10 +55,12 @@ class ExactEngine final : public Engine {
 
  private:
   [[nodiscard]] bool is_as_left(State const& state) const;
-  void start_from(State const& state);
+  void start_from(State& state);
   void make_dynamics(State const& state);
   [[nodiscard]] double next_target(Clock const& clock, StopCondition const& stop_condition) const;
   bool pass_steps_until(double time, Clock& clock);
+  [[nodiscard]] double next_kick_time() const;
+  void expect_kick();
   /// Writes the state at the last event handled; the clock is set no later than `latest`.
   void leave_at_last_event(State& state, double latest);
 
@@ -63,8 +68,10 @@ class ExactEngine final : public Engine {
   std::uint64_t earlier_audits_ = 0;  // audits of dynamics that have been replaced
   double duration_;
   std::uint64_t thread_count_;
+  ThermostatSettings thermostat_settings_;     // resolved
   std::unique_ptr<ThreadPool> threads_;        // nullptr while there are too few disks for threads
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
+  std::optional<exact::Thermostat> thermostat_;
   exact::LeftState left_;
   double start_time_ = 0.0;
   double next_step_time_ = 0.0;

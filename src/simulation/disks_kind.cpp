@@ -90,6 +90,10 @@ void require_short_substeps(EngineSettings const& engine, DisksOverview const& d
        .key = "engine.time_step"});
 }
 
+/// The relative error of self-diffusion at a packing fraction of 0.5, for a path of one diameter between two draws: it
+/// is linear in the path (docs/explanation/thermostats.md).
+constexpr double error_per_flight = 0.4;
+
 /// Returns a note if the engine has a time step and the results are known to mislead.
 std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineRecord const& engine) {
   if (!engine.has_time_step) return std::nullopt;
@@ -103,6 +107,33 @@ std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks,
     event.values.emplace_back("largest_packing_fraction", TimeStepCaveats::largest_packing_fraction);
   }
   return event;
+}
+
+/// The thermostat that makes a setting of another one unused, as TOML; empty where it is used.
+std::string unused_of_thermostat(ThermostatKind kind, std::string_view key) {
+  bool const is_used = key == "thermostat.kind" || (key == "thermostat.temperature" && kind != ThermostatKind::none) ||
+                       (key == "thermostat.rate" && kind == ThermostatKind::andersen) ||
+                       (key == "thermostat.interval" && kind == ThermostatKind::brownian);
+  return is_used ? "" : fmt::format("thermostat.kind = \"{}\"", to_text(kind));
+}
+
+/// The motion of a free disk of the mean mass, in diameters of the smallest.
+std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
+  if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
+  double mass = 0.0;
+  for (double const of_disk : disks.column<Mass>()) mass += of_disk / static_cast<double>(disks.size());
+  bool const are_unlike =
+      std::ranges::any_of(disks.column<Mass>(), [&](double m) { return m != disks.column<Mass>()[0]; });
+  BrownianScales const scales = brownian_scales(settings, mass, 2.0 * radius_range(disks).smallest);
+  return Event{.kind = EventKind::thermostat,
+               .key = "thermostat.interval",
+               .values = {{"kind", std::string(to_text(settings.kind))},
+                          {"temperature", *settings.temperature},
+                          {"are_unlike", std::uint64_t{are_unlike}},
+                          {"diffusion", scales.diffusion},
+                          {"draws", scales.kicks_of_sigma2},
+                          {"flight", scales.flight},
+                          {"error_percent", 100.0 * error_per_flight * scales.flight}}};
 }
 
 std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings const& velocities) {
@@ -180,6 +211,8 @@ class DisksKind final : public ModelKind {
              [&](SettingVisitor& visitor) { describe(configuration.velocities, visitor); }},
             {"engine", "How the disks move; of other models the threads.",
              [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }},
+            {"thermostat", "Whether the disks of the engine exact exchange energy with a bath, as colloids do.",
+             [&](SettingVisitor& visitor) { describe(configuration.engine.thermostat, visitor); }},
             {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
              [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
   }
@@ -190,6 +223,7 @@ class DisksKind final : public ModelKind {
       return "disks.file";
     }
     if (key.starts_with("soft.") && configuration.protocol.empty()) return "no [[protocol]]";
+    if (key.starts_with("thermostat.")) return unused_of_thermostat(configuration.engine.thermostat.kind, key);
     if (!key.starts_with(table)) return "";
     EngineSettings const& engine = configuration.engine;
     std::string_view const decides = engine_record(engine.kind).unused_because_of(engine, key.substr(table.size()));
@@ -213,7 +247,10 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> choices(
       Configuration const& configuration) const override {
     if (!takes_steps(configuration)) return {};
-    return {{"engine", configuration.engine.kind}};
+    std::vector<std::pair<std::string, std::string>> choices{{"engine", configuration.engine.kind}};
+    ThermostatKind const thermostat = configuration.engine.thermostat.kind;
+    if (thermostat != ThermostatKind::none) choices.emplace_back("thermostat", to_text(thermostat));
+    return choices;
   }
 
   [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override {
@@ -232,7 +269,7 @@ class DisksKind final : public ModelKind {
   }
 
   void check(Configuration const& configuration) const override {
-    static_cast<void>(engine_record(configuration.engine.kind));
+    require_thermostat(engine_record(configuration.engine.kind), configuration.engine.thermostat);
     require_valid(configuration.protocol);
     require_no_overlaps_in_run(configuration);
   }
@@ -284,7 +321,10 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
   require_clock(clock, disks, setup.start_file, settings);
   require_short_substeps(settings, disks);
   if (auto note = misleading_rule(box, disks, engine_record(settings.kind))) setup.notes.push_back(*std::move(note));
-  if (auto note = nothing_moves(disks, setup.configuration.velocities)) setup.notes.push_back(*std::move(note));
+  bool const has_thermostat = settings.thermostat.kind != ThermostatKind::none;
+  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !has_thermostat) {
+    setup.notes.push_back(*std::move(note));
+  }
   if (auto note = wait_for_fast_disks(settings, disks)) setup.notes.push_back(*std::move(note));
 }
 
@@ -296,13 +336,19 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   State own = start_of_disks(setup, options);
   DisksOverview const all = overview_of_all(own.agents, processes);
   resolve(configuration);
+  if (configuration.protocol.empty()) {
+    configuration.engine.thermostat = resolved(configuration.engine.thermostat, own.agents);
+    if (auto note = motion_by_thermostat(configuration.engine.thermostat, own.agents))
+      setup.notes.push_back(*std::move(note));
+  }
   EngineSettings settings = configuration.engine;
   settings.threads = configuration.protocol.empty() ? threads_of(configuration, options.threads, processes)
                                                     : options.threads.value_or(settings.threads);
   settings.processes = processes;
   processes.agree([&] {
     if (has_speed) require_bounded_step(configuration.engine, all);
-    if (configuration.protocol.empty() && ends_with_collisions(run)) require_motion(all);
+    bool const is_moved = configuration.engine.thermostat.kind != ThermostatKind::none;
+    if (configuration.protocol.empty() && ends_with_collisions(run) && !is_moved) require_motion(all);
   });
   if (!configuration.protocol.empty()) {
     std::ranges::move(notes_on_ends(configuration.protocol), std::back_inserter(setup.notes));

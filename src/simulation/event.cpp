@@ -15,11 +15,12 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 38> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 39> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
+                                                      "thermostat",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
                                                       "stage_with_two_ends",
@@ -97,6 +98,18 @@ std::string text_of_start_file(Event const& event) {
   }
 }
 
+std::string text_of_thermostat(Values const& of) {
+  std::string const free_motion =
+      fmt::format("{}: kT = {:.6g}, a free disk{} diffuses with D₀ = {:.6g}", of.word("kind"), of.number("temperature"),
+                  of.count("are_unlike") == 0 ? "" : " of the mean mass", of.number("diffusion"));
+  if (of.word("kind") != "brownian") return free_motion;
+  return fmt::format(
+      "{}; {:.4g} draws of all velocities in σ²/D₀, between two of them a path of {:.3g} σ along each "
+      "axis: self-diffusion at a packing fraction of 0.5 is about {:.2g} % too small, less where it is "
+      "lower",
+      free_motion, of.number("draws"), of.number("flight"), of.number("error_percent"));
+}
+
 std::string text_of_setup(Event const& event) {
   Values const of{event};
   switch (event.kind) {
@@ -117,6 +130,8 @@ std::string text_of_setup(Event const& event) {
     case EventKind::nothing_moves:
       return event.key == "disks.file" ? "no disk of the start file has a velocity: nothing moves"
                                        : "velocities.max is 0: nothing moves";
+    case EventKind::thermostat:
+      return text_of_thermostat(of);
     case EventKind::fast_on_ranks:
       return fmt::format(
           "some disks are {:.3g} times as fast as engine.speed = {:.6g}: on ranks such disks wait for one another, and "

@@ -39,7 +39,7 @@ std::vector<Variant> variants_of(std::string const& engine) {
     return {{.threads = 1}, {.threads = 2}, {.threads = 3}, {.threads = 8}, {.threads = 1, .ranks = 3}};
   }
   if (engine == "stepped") return {{.grid = GridKind::packed}, {.grid = GridKind::linked}};
-  return {{}};
+  return {{.threads = 1}, {.threads = 2}, {.threads = 3}};
 }
 
 Hashes run(Scene const& scene, std::string const& engine, Variant const& variant) {
@@ -71,6 +71,7 @@ std::vector<Row> rows() {
   for (Scene const& scene : scenes()) {
     for (std::string const& engine : engine_kinds()) all.push_back({scene, engine});
   }
+  for (Scene const& scene : golden::scenes_with_thermostat()) all.push_back({scene, "exact"});
   return all;
 }
 

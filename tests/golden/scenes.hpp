@@ -61,6 +61,32 @@ inline std::vector<Scene> scenes() {
   };
 }
 
+/// Scenes with a thermostat, which the engine exact alone has.
+inline std::vector<Scene> scenes_with_thermostat() {
+  ThermostatSettings const brownian{.kind = ThermostatKind::brownian, .temperature = 0.5, .interval = 0.004};
+  return {
+      {.name = "brownian",
+       .box = Box(1.2, 1.0, Edge::periodic),
+       .disks = {.count = 300,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
+       .engine = {.thermostat = brownian},
+       .time = 0.5},
+      // Enough disks for threads to share.
+      {.name = "brownian_crowd",
+       .box = Box(1.0, 1.0, Edge::periodic),
+       .disks = {.count = 10'000, .packing_fraction = 0.5, .start = StartKind::triangular},
+       .engine = {.thermostat = brownian},
+       .time = 0.05},
+      {.name = "andersen",
+       .box = Box(1.2, 1.0, Edge::wall),
+       .disks = {.count = 300, .packing_fraction = 0.5, .start = StartKind::random},
+       .engine = {.thermostat = {.kind = ThermostatKind::andersen, .temperature = 0.5, .rate = 20.0}},
+       .time = 0.5},
+  };
+}
+
 inline constexpr std::uint64_t seed = 20;
 
 /// How a scene starts.

@@ -28,6 +28,7 @@
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/engine/thermostat.hpp"
 #include "gridlock/parallel/detail/all_processes.hpp"
 
 namespace gridlock {
@@ -111,6 +112,7 @@ struct EngineSettings {
   std::uint64_t audit_every = 0;  ///< exact: pair collisions between two audits; 0: never
   GridKind grid = GridKind::packed;
   std::uint64_t threads = 0;    ///< exact and tiled: number of threads; 0: one for each core
+  ThermostatSettings thermostat = {};  ///< exact: the settings `[thermostat]`
   AllProcesses processes = {};  ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
@@ -134,6 +136,7 @@ struct EngineRecord {
   bool has_time_step = true;       ///< false: it is event-driven, and a run can end within a step
   bool uses_threads = false;
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
+  bool uses_thermostat = false;               ///< whether it uses EngineSettings::thermostat
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint
@@ -152,6 +155,9 @@ std::span<EngineRecord const> engine_records();
 
 /// Returns the record of the engine named `kind`. Errors: Error for the setting "engine.kind" if there is none.
 EngineRecord const& engine_record(std::string_view kind);
+
+/// Errors: Error under "thermostat.kind" for a thermostat that the engine does not know.
+void require_thermostat(EngineRecord const& engine, ThermostatSettings const& thermostat);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error with the setting for an unknown kind, or for a set-up that the engine cannot advance correctly.

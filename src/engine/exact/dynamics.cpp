@@ -36,7 +36,8 @@ bool are_all_equal(std::span<double const> values) {
 
 }  // namespace
 
-Dynamics::Dynamics(State const& state, DynamicsOptions const& options) : Flight(state.box), sharing_(options.sharing) {
+Dynamics::Dynamics(State const& state, DynamicsOptions const& options)
+    : Flight(state.box), thermal_speed_squared_(options.thermal_speed_squared), sharing_(options.sharing) {
   size_ = state.agents.size();
   disks_in_box_ = size_;
   size_of_cells_ = options.size_of_cells;
@@ -115,6 +116,8 @@ double Dynamics::longest_epoch() const {
   for (Index const i : disks_by_id_index()) {
     squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
   }
+  // Kicks make disks that happen to be slow as fast as others.
+  squared_speeds = std::max(squared_speeds, thermal_speed_squared_ * static_cast<double>(size_));
   if (!(squared_speeds > 0.0)) return 0.0;
   double const diameter = 2.0 * largest_radius_ * growth_.scale.at_zero;
   double const crossing = diameter / std::sqrt(squared_speeds / static_cast<double>(size_));
@@ -157,6 +160,7 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
     if (end == End::time) return true;
     if (end == End::early) return false;
     if (end == End::epoch) {
+      if (may_be_kicked(elapsed)) return true;
       end_epoch(collisions_to_go(pair_collisions, audit_every, counters) > collisions_worth_sharing());
     }
   }
@@ -232,7 +236,7 @@ void Dynamics::begin_epoch(double zero, double length, double factor_of_velociti
     disks_[i].velocity_y *= factor_of_velocities;
   }
   if (is_growing()) longest_epoch_ = longest_epoch();
-  length = std::min(length, longest_epoch_);
+  length = std::min({length, longest_epoch_, next_kick_ - epoch_start_});
   expected_events_ = static_cast<std::uint64_t>(static_cast<double>(events_made()) * (length / duration));
   epoch_length_ = length;
   bool const is_sort_due = epoch_ % epochs_per_sort == 0;

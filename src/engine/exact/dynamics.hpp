@@ -31,6 +31,7 @@ struct DynamicsOptions {
   double size_of_cells = 1.0;  ///< side of the cells over the smallest side allowed; it changes only the cost
   Lists lists = Lists::where_they_pay;
   Sharing sharing = {};
+  double thermal_speed_squared = 0.0;  ///< the mean squared speed after kicks; 0: there are none
 };
 
 /// Limits of a growth, which stops at the first that it reaches.
@@ -94,6 +95,18 @@ class Dynamics final : public Flight {
   }
   /// The factor by which the radii have grown.
   [[nodiscard]] double scale() const { return growth_.scale.at(now_); }
+
+  /// The velocity that a kick gives to a disk.
+  using VelocityOf = std::function<Vector(Id id, double mass)>;
+  /// Gives all disks new velocities at the time `elapsed`, to which run() has come, and begins an epoch that ends at
+  /// `next`, the time of the next kick, at the latest. Contract: nothing grows; run() is not asked for times after
+  /// `next` before that kick.
+  void kick_all(double elapsed, double next, VelocityOf const& velocity_of);
+  /// Gives one disk a new velocity at the time `elapsed`, to which run() has come. Returns its Id.
+  /// Contract: one thread, and nothing grows.
+  Id kick(double elapsed, std::uint32_t id_index, VelocityOf const& velocity_of);
+  /// Epochs end at the next kick of all disks, which is at this time, at the latest.
+  void expect_kick(double elapsed) { next_kick_ = elapsed; }
 
   /// The time of the last event handled, counted from the state that the dynamics was made of.
   [[nodiscard]] double last_event() const { return epoch_start_ + (epoch_start_rest_ + now_); }
@@ -163,6 +176,10 @@ class Dynamics final : public Flight {
                                                       Counters const& counters);
   [[nodiscard]] std::uint64_t collisions_worth_sharing() const { return 8 * size_; }
 
+  // Functions in kicks.cpp, for thermostats:
+  [[nodiscard]] bool may_be_kicked(double elapsed) const;
+  [[nodiscard]] Index disk_of(std::uint32_t id_index);
+
   // Functions in growing.cpp, for disks that grow:
   void start_growing(double rate);
   void serialize_growth(Archive& archive);
@@ -189,6 +206,11 @@ class Dynamics final : public Flight {
   std::uint64_t epoch_ = 0;
   std::uint64_t hits_before_epoch_ = 0;
   std::uint64_t audits_ = 0;
+
+  double thermal_speed_squared_ = 0.0;
+  double next_kick_ = std::numeric_limits<double>::infinity();  // of all disks
+  double time_since_sort_ = 0.0;                                // of epochs that kicks have ended
+  std::vector<Index> disk_of_;                                  // by id index; out of date where disks have been sorted
 
   Sharing sharing_;
   WindowCount windows_;

@@ -16,6 +16,12 @@ interface Range {
 /** What one drags by hand, of disks of any model that has them. */
 const DISK_KEYS = ["disks.packing_fraction", "disks.count", "disks.start", "velocities.max"];
 const ENGINE_KEYS = ["engine.kind", "engine.time_step", "engine.contact"];
+/** Of the engine exact: whether there is a bath, and what its kind needs. */
+const THERMOSTAT_KEYS: Readonly<Record<string, readonly string[]>> = {
+  none: ["thermostat.kind"],
+  andersen: ["thermostat.kind", "thermostat.temperature", "thermostat.rate"],
+  brownian: ["thermostat.kind", "thermostat.temperature", "thermostat.interval"],
+};
 const COMMON_KEYS = ["box.edge", "run.seed"];
 
 const NAMES: Readonly<Record<string, string>> = {
@@ -27,6 +33,8 @@ const NAMES: Readonly<Record<string, string>> = {
   "engine.time_step": "Time step",
   "engine.contact": "Contact",
   "engine.cells": "Cells k",
+  "thermostat.kind": "Thermostat",
+  "thermostat.temperature": "Temperature kT",
   "box.edge": "Edge of the box",
   "run.seed": "Seed",
 };
@@ -44,11 +52,15 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
   const model = String(values["model.kind"] ?? "disks");
   const known = new Set(settings.map((setting) => setting.key));
   const ofModel = settings.filter((setting) => setting.table === model && isSimple(setting)).map((setting) => setting.key);
-  const ofEngine =
-    model === "disks" ? ENGINE_KEYS.filter((key) => key !== "engine.contact" || values["engine.kind"] !== "exact") : [];
-  return [...new Set([...(model === "disks" ? DISK_KEYS : ofModel), ...ofEngine, ...COMMON_KEYS])].filter((key) =>
+  return [...new Set([...(model === "disks" ? [...DISK_KEYS, ...keysOfEngine(values)] : ofModel), ...COMMON_KEYS])].filter((key) =>
     known.has(key),
   );
+}
+
+function keysOfEngine(values: Values): string[] {
+  if (values["engine.kind"] !== "exact") return ENGINE_KEYS;
+  const thermostat = THERMOSTAT_KEYS[String(values["thermostat.kind"] ?? "none")] ?? [];
+  return [...ENGINE_KEYS.filter((key) => key !== "engine.contact"), ...thermostat];
 }
 
 function isSimple(setting: SettingDescription): boolean {

@@ -30,6 +30,11 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "The curves of the susceptible, infected and recovered: one wave. In the picture the disease spreads from a few places.",
     ask: "Why does the wave end although some were never infected? Does a lower rate change how many fall ill, or only when?",
   },
+  colloid: {
+    act: "Press *Run*. Then set *Thermostat* to none, and run again.",
+    see: "The chart *Mean displacement*: disks that lose their velocity after every *Interval* spread as the square root of time, free ones faster.",
+    ask: "How long does a disk of diameter 1 need to go as far as itself, with the bath and without? How does that depend on the *Interval*?",
+  },
   epidemic_mixed: {
     act: "Press *Run*. Then set *Speed* to 0.005, so that each meets the same few others again and again.",
     see: "The curve of the infected: how high its peak is, and when it comes.",

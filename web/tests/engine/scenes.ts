@@ -43,6 +43,19 @@ const DISKS: Readonly<Record<string, string>> = {
     PERIODIC +
     'disks.count = 4_000\ndisks.packing_fraction = 0.3\ndisks.start = "random"\nrun.time = 0.05\n' +
     "disks.species = [{ fraction = 0.9 }, { fraction = 0.1, size_ratio = 4.0, mass = 16.0 }]",
+  brownian:
+    PERIODIC +
+    'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +
+    "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]\n" +
+    'thermostat = { kind = "brownian", temperature = 0.5, interval = 0.004 }',
+  brownian_crowd:
+    PERIODIC +
+    'disks.count = 10_000\ndisks.packing_fraction = 0.5\ndisks.start = "triangular"\nrun.time = 0.05\n' +
+    'thermostat = { kind = "brownian", temperature = 0.5, interval = 0.004 }',
+  andersen:
+    WALLS +
+    'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.5\ndisks.start = "random"\nrun.time = 0.5\n' +
+    'thermostat = { kind = "andersen", temperature = 0.5, rate = 20 }',
 };
 
 const MODELS: Readonly<Record<string, string>> = {

@@ -1,0 +1,60 @@
+#pragma once
+
+/// \file
+/// Thermostats: colloids in a liquid, as hard disks whose velocities are drawn anew now and then.
+///
+/// ```cpp
+/// #include "gridlock/engine/engine.hpp"
+/// #include "gridlock/lattice/start.hpp"
+///
+/// State state = make_start(Box(1.0, 1.0, Edge::periodic), {.count = 100, .packing_fraction = 0.5}, 1);
+/// Counters counters;
+/// ThermostatSettings const thermostat{.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = 0.001};
+/// make_engine({.kind = "exact", .thermostat = thermostat}, state)->advance(state, counters, {.time = 0.1});
+/// ```
+
+#include <optional>
+#include <string_view>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/core/setting.hpp"
+
+namespace gridlock {
+
+/// How disks exchange energy with a bath, between elastic collisions.
+///
+/// none:     they do not.
+/// andersen: each disk alone gets a Maxwell velocity at random times, `rate` of them per unit of time (Andersen 1980,
+///           doi:10.1063/1.439486). A free disk diffuses with D₀ = kT/(m · rate).
+/// brownian: all disks get Maxwell velocities at the times 0, Δt, 2Δt … of the clock, Δt = `interval`: event-driven
+///           Brownian dynamics (Scala, Voigtmann, De Michele 2007, doi:10.1063/1.2719190). A free disk diffuses with
+///           D₀ = kT Δt/(2m).
+enum class ThermostatKind { none, andersen, brownian };
+/// The word of a kind, as in thermostat.kind.
+std::string_view to_text(ThermostatKind kind);
+
+/// The settings `[thermostat]`, which the engine `exact` knows. A Maxwell velocity has components of variance kT/m,
+/// drawn as a function of (seed, draw, Id): the same whatever else happens, on every machine and any number of threads.
+struct ThermostatSettings {
+  ThermostatKind kind = ThermostatKind::none;
+  std::optional<double> temperature;  ///< kT; left out: the kinetic energy of a disk at the start
+  std::optional<double> rate;         ///< per time; left out: √(kT/m)/σ, of the mean mass and the smallest diameter
+  std::optional<double> interval;     ///< left out: 0.05 σ √(m/kT), of the same
+};
+void describe(ThermostatSettings& settings, SettingVisitor& visitor);
+
+/// The settings with all that was left out filled in for these disks.
+/// Errors: Error under "thermostat.temperature" where the disks rest and no temperature is given, and under
+/// "thermostat.interval" or "thermostat.rate" where a double cannot hold the numbers.
+ThermostatSettings resolved(ThermostatSettings const& settings, Disks const& disks);
+
+/// Numbers that tell how far a thermostat is from Brownian motion, of a disk of mass m and diameter σ.
+struct BrownianScales {
+  double diffusion;        ///< D₀ of a free disk
+  double flight;           ///< root mean square path between two kicks, along each axis, in σ
+  double kicks_of_sigma2;  ///< kicks in σ²/D₀, the time of diffusion over a diameter
+};
+/// Contract: resolved settings of a thermostat that is not none.
+BrownianScales brownian_scales(ThermostatSettings const& settings, double mass, double diameter);
+
+}  // namespace gridlock

@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/exact/dynamics.hpp"
+#include "engine/exact/strips.hpp"
+
+namespace gridlock::exact {
+
+namespace {
+
+/// Hits of a disk in an epoch, on average, so that the calendar stays small.
+constexpr double hits_in_epoch = 32.0;
+
+}  // namespace
+
+/// Whether a kick may come at the time `elapsed` of this epoch, in which nothing else is left to happen: then the epoch
+/// must not end before.
+bool Dynamics::may_be_kicked(double elapsed) const {
+  return thermal_speed_squared_ > 0.0 && elapsed - epoch_start_ <= epoch_length_;
+}
+
+/// As begin_epoch(), but cells and lists stay as they are, for the disks are where they were: they are made anew, and
+/// the disks sorted in memory, only after as long a time as the longest epoch.
+void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_of) {
+  double const duration = std::max(elapsed - epoch_start_, now_);
+  auto const hits = static_cast<double>(hits_ - hits_before_epoch_);
+  auto const events = static_cast<double>(events_made());
+  bool const was_shared = strips_ != nullptr;
+  move_zero_of_time(duration);
+  now_ = 0.0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    MovingDisk& disk = disks_[i];
+    Vector const v = velocity_of(id_of(static_cast<Index>(i)), mass_of(static_cast<Index>(i)));
+    disk.velocity_x = v.x;
+    disk.velocity_y = v.y;
+    disk.last_hit = 0.0;
+  }
+  double const hits_per_time = duration > 0.0 ? hits / (static_cast<double>(size_) * duration) : 0.0;
+  longest_epoch_ = longest_epoch();
+  next_kick_ = next;
+  epoch_length_ = std::min(longest_epoch_, next_kick_ - epoch_start_);
+  if (hits > 0.0) epoch_length_ = std::min(epoch_length_, power_of_two_below(hits_in_epoch / hits_per_time));
+  if (duration > 0.0) expected_events_ = static_cast<std::uint64_t>(events * (epoch_length_ / duration));
+  time_since_sort_ += duration;
+  bool const is_sort_due = time_since_sort_ >= longest_epoch_;
+  if (is_sort_due) time_since_sort_ = 0.0;
+  if (hits > 0.0 && share_epoch(hits_per_time, is_sort_due)) return;
+  strips_ = nullptr;
+  if (is_sort_due || was_shared) {
+    renew_lists(0.0);
+    make_room_in_cells(0.0);
+    if (is_sort_due) sort_disks_by_cell(0.0);
+  }
+  refresh_prediction_input();
+  predict_all(0.0);
+  open_calendar();
+}
+
+Id Dynamics::kick(double elapsed, std::uint32_t id_index, VelocityOf const& velocity_of) {
+  now_ = std::max(elapsed - epoch_start_, now_);
+  Index const i = disk_of(id_index);
+  MovingDisk& disk = disks_[i];
+  Vector const v = velocity_of(id_of(i), mass_of(i));
+  disk.x += (disk.velocity_x - v.x) * now_;
+  disk.y += (disk.velocity_y - v.y) * now_;
+  disk.velocity_x = v.x;
+  disk.velocity_y = v.y;
+  disk.last_hit = now_;
+  ++disk.collision_count;
+  Id const id = id_of(i);
+  if (next_event() != nullptr) {
+    schedule(i, predictor_.one(prediction_input_, i, now_));
+  } else {
+    begin_epoch(now_, epoch_length_);  // the calendar has come to its end
+  }
+  return id;
+}
+
+Index Dynamics::disk_of(std::uint32_t id_index) {
+  bool const is_known = id_index < disk_of_.size() && disks_[disk_of_[id_index]].id_index == id_index;
+  if (!is_known) disk_of_ = disks_by_id_index();
+  return disk_of_[id_index];
+}
+
+}  // namespace gridlock::exact

@@ -1,0 +1,94 @@
+#include "gridlock/engine/thermostat.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "core/magnitude.hpp"
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// A flight of a twentieth of a diameter: the error of the coefficient of diffusion is a few percent in a dense system.
+constexpr double default_flight = 0.05;
+
+constexpr std::array<std::string_view, 3> kinds{"none", "andersen", "brownian"};
+
+double mean_mass(Disks const& disks) {
+  double sum = 0.0;
+  for (double const mass : disks.column<Mass>()) sum += mass;
+  return sum / static_cast<double>(disks.size());
+}
+
+}  // namespace
+
+void describe(ThermostatSettings& settings, SettingVisitor& visitor) {
+  visit_enum(
+      visitor,
+      {.key = "kind",
+       .documentation = "Whether disks of the engine exact get new Maxwell velocities: never with \"none\", each "
+                        "alone at random times with \"andersen\", all at once after every interval with "
+                        "\"brownian\", which is event-driven Brownian dynamics."},
+      kinds, settings.kind);
+  visitor.visit({.key = "temperature",
+                 .unit = "energy",
+                 .documentation = "kT: each component of a new velocity has the variance kT/m.",
+                 .min = 0.0,
+                 .max = max_magnitude,
+                 .min_is_allowed = false,
+                 .default_note = "the mean kinetic energy of a disk at the start"},
+                settings.temperature);
+  visitor.visit(
+      {.key = "rate",
+       .unit = "1 / time",
+       .documentation = "andersen: new velocities of a disk per time; a free disk diffuses with kT/(m · rate).",
+       .min = 0.0,
+       .max = max_magnitude,
+       .min_is_allowed = false,
+       .default_note = "√(kT/m)/σ, of the mean mass and the smallest diameter"},
+      settings.rate);
+  visitor.visit(
+      {.key = "interval",
+       .unit = "time",
+       .documentation =
+           "brownian: time between two draws of all velocities; a free disk diffuses with kT · interval/(2m).",
+       .min = 0.0,
+       .max = max_magnitude,
+       .min_is_allowed = false,
+       .default_note = "0.05 σ √(m/kT), of the mean mass and the smallest diameter"},
+      settings.interval);
+}
+
+std::string_view to_text(ThermostatKind kind) { return kinds[static_cast<std::size_t>(kind)]; }
+
+ThermostatSettings resolved(ThermostatSettings const& settings, Disks const& disks) {
+  ThermostatSettings full = settings;
+  if (settings.kind == ThermostatKind::none || disks.empty()) return full;
+  if (!full.temperature) full.temperature = kinetic_energy(disks) / static_cast<double>(disks.size());
+  if (!(*full.temperature > 0.0)) {
+    throw Error({.what = "the disks rest at the start, so the temperature of the thermostat is not known",
+                 .hint = "give thermostat.temperature, or velocities.max above 0",
+                 .key = "thermostat.temperature"});
+  }
+  double const diameter = 2.0 * radius_range(disks).smallest;
+  double const speed = std::sqrt(*full.temperature / mean_mass(disks));
+  if (!full.rate && full.kind == ThermostatKind::andersen) full.rate = speed / diameter;
+  if (!full.interval && full.kind == ThermostatKind::brownian) full.interval = default_flight * diameter / speed;
+  return full;
+}
+
+BrownianScales brownian_scales(ThermostatSettings const& settings, double mass, double diameter) {
+  double const speed = std::sqrt(*settings.temperature / mass);
+  bool const is_brownian = settings.kind == ThermostatKind::brownian;
+  double const time = is_brownian ? *settings.interval : 1.0 / *settings.rate;
+  double const diffusion = (is_brownian ? 0.5 : 1.0) * speed * speed * time;
+  return {.diffusion = diffusion,
+          .flight = speed * time / diameter,
+          .kicks_of_sigma2 = diameter * diameter / (diffusion * time)};
+}
+
+}  // namespace gridlock

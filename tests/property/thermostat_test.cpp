@@ -1,0 +1,207 @@
+// Thermostats of the exact engine: kicks come when they are due, whatever else happens.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/validate.hpp"
+#include "io/checkpoint.hpp"
+#include "reference/random_scene.hpp"
+#include "reference/shuffled_rows.hpp"
+
+namespace gridlock {
+namespace {
+
+using reference::random_scene;
+using reference::SceneSettings;
+using reference::with_rows_shuffled;
+
+struct ThermostatCase {
+  std::string name;
+  ThermostatSettings thermostat;
+  SceneSettings scene;
+
+  friend std::ostream& operator<<(std::ostream& out, ThermostatCase const& c) { return out << c.name; }
+};
+
+std::vector<ThermostatCase> cases() {
+  SceneSettings const fluid{.width = 1.3, .count = 40, .packing_fraction = 0.5};
+  SceneSettings const mixture{.edge = Edge::periodic,
+                              .width = 1.6,
+                              .height = 0.9,
+                              .count = 40,
+                              .packing_fraction = 0.5,
+                              .smallest_ratio = 0.3,
+                              .heaviest_mass = 9.0};
+  SceneSettings const one{.edge = Edge::periodic, .width = 1.3, .count = 1, .packing_fraction = 0.05};
+  auto const brownian = [](double interval) {
+    return ThermostatSettings{.kind = ThermostatKind::brownian, .temperature = 0.7, .interval = interval};
+  };
+  ThermostatSettings const andersen{.kind = ThermostatKind::andersen, .temperature = 0.7, .rate = 15.0};
+  return {{"brownian_often", brownian(0.003), fluid},
+          {"brownian_seldom", brownian(0.9), fluid},
+          {"brownian_mixture", brownian(0.01), mixture},
+          {"brownian_one", brownian(0.05), one},
+          {"andersen", andersen, fluid},
+          {"andersen_mixture", andersen, mixture},
+          {"andersen_one", andersen, one}};
+}
+
+class Thermostats : public testing::TestWithParam<ThermostatCase> {
+ protected:
+  static EngineSettings settings() { return {.kind = "exact", .audit_every = 7, .thermostat = GetParam().thermostat}; }
+  static State start(std::uint64_t seed) {
+    SceneSettings scene = GetParam().scene;
+    scene.seed = seed;
+    return random_scene(scene);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Cases, Thermostats, testing::ValuesIn(cases()), [](auto const& c) { return c.param.name; });
+
+TEST_P(Thermostats, KickAtTheSameTimesHoweverTheRunIsCut) {
+  for (std::uint64_t const seed : {1U, 2U, 3U}) {
+    State whole = start(seed);
+    State cut = whole;
+    double const step = make_engine(settings(), whole)->time_step();
+    Counters whole_counters;
+    make_engine(settings(), whole)->advance(whole, whole_counters, {.step = 60});
+    EXPECT_NO_THROW(validate(whole));
+    EXPECT_NE(kinetic_energy(whole.agents), kinetic_energy(cut.agents));
+
+    Counters counters;
+    auto const engine = make_engine(settings(), cut);
+    for (std::uint64_t n = 1; n < 18; ++n) {
+      engine->advance(cut, counters, {.step = 3 * n});
+      engine->advance(cut, counters, {.step = 60, .time = cut.clock.time + 0.3 * step});
+      if (whole_counters.pair_collisions == 0) continue;
+      engine->advance(cut, counters, {.step = 60, .pair_collisions = counters.pair_collisions + 1});
+    }
+    engine->advance(cut, counters, {.step = 60});
+    EXPECT_EQ(hash(whole), hash(cut));
+    EXPECT_EQ(whole_counters.pair_collisions, counters.pair_collisions);
+    EXPECT_EQ(whole_counters.pair_virial, counters.pair_virial);
+  }
+}
+
+TEST_P(Thermostats, GoOnFromACheckpointWithTheSameBits) {
+  State state = start(5);
+  auto const engine = make_engine(settings(), state);
+  Counters counters;
+  engine->advance(state, counters, {.step = 21});
+  std::string const saved = to_checkpoint([&](Archive& archive) { engine->serialize(archive, state); });
+  State resumed = state;
+  auto const other = make_engine(settings(), resumed);
+  from_checkpoint(saved, "saved", [&](Archive& archive) { other->serialize(archive, resumed); });
+  Counters resumed_counters = counters;
+  engine->advance(state, counters, {.step = 50});
+  other->advance(resumed, resumed_counters, {.step = 50});
+  EXPECT_EQ(hash(state), hash(resumed));
+  EXPECT_EQ(counters.pair_virial, resumed_counters.pair_virial);
+}
+
+TEST_P(Thermostats, DependOnIdsAndNotOnRows) {
+  State state = start(6);
+  State shuffled = with_rows_shuffled(state, 4);
+  Counters counters;
+  make_engine(settings(), state)->advance(state, counters, {.step = 40});
+  make_engine(settings(), shuffled)->advance(shuffled, counters, {.step = 40});
+  EXPECT_EQ(hash(state), hash(shuffled));
+}
+
+/// Disks on a lattice, enough of them for threads to share.
+State crowd() {
+  State state{.box = Box(110.0, 90.0, Edge::periodic), .seed = 3};
+  for (std::uint64_t i = 0; i < 80 * 75; ++i) {
+    state.agents.add((static_cast<double>(i % 80) + 0.5) * 110.0 / 80.0, (static_cast<double>(i / 80) + 0.5) * 1.2, 0.0,
+                     0.0, 0.5, 1.0, 0, 0);
+  }
+  return state;
+}
+
+TEST(ThermostatOfManyDisks, HasTheBitsOfOneThreadOnAnyNumber) {
+  for (double const interval : {0.05, 0.7, 30.0}) {
+    ThermostatSettings const thermostat{.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = interval};
+    std::vector<std::uint64_t> hashes;
+    for (std::uint64_t const threads : {1U, 2U, 3U}) {
+      State state = crowd();
+      Counters counters;
+      make_engine({.kind = "exact", .audit_every = 20011, .threads = threads, .thermostat = thermostat}, state)
+          ->advance(state, counters, {.time = 10.0});
+      EXPECT_GT(counters.pair_collisions, state.agents.size());
+      hashes.push_back(hash(state));
+    }
+    EXPECT_EQ(hashes[1], hashes[0]) << "interval " << interval;
+    EXPECT_EQ(hashes[2], hashes[0]) << "interval " << interval;
+  }
+}
+
+TEST(BrownianDisk, WithoutCollisionsIsARandomFlight) {
+  double const interval = 0.03;
+  double const temperature = 0.7;
+  State state{.box = Box(3.0, 2.0, Edge::periodic), .seed = 9};
+  state.agents.add(1.0, 1.0, 0.0, 0.0, 0.1, 2.5, 0, 0);
+  Counters counters;
+  ThermostatSettings const thermostat{
+      .kind = ThermostatKind::brownian, .temperature = temperature, .interval = interval};
+  auto const engine = make_engine({.kind = "exact", .thermostat = thermostat}, state);
+  Vector place{1.0, 1.0};
+  for (std::uint64_t kick = 0; kick < 500; ++kick) {
+    RandomStream random(state.seed, kick, 0, Purpose::thermostat);
+    double const width = std::sqrt(temperature / 2.5);
+    Vector const v{width * random.normal(), width * random.normal()};
+    double const end = static_cast<double>(kick + 1) * interval;
+    engine->advance(state, counters, {.time = std::nextafter(end, 0.0)});
+    EXPECT_EQ(velocity(state.agents, 0), v) << "kick " << kick;
+    place = place + interval * v;
+    Vector const unfolded{state.agents.column<X>()[0] + 3.0 * state.agents.column<ImageX>()[0],
+                          state.agents.column<Y>()[0] + 2.0 * state.agents.column<ImageY>()[0]};
+    EXPECT_NEAR(unfolded.x, place.x, 1e-12 * static_cast<double>(kick + 1));
+    EXPECT_NEAR(unfolded.y, place.y, 1e-12 * static_cast<double>(kick + 1));
+  }
+}
+
+TEST(ThermostatSettings, FillInTheTemperatureOfTheStartAndAShortFlight) {
+  State state{.box = Box(3.0, 2.0, Edge::periodic), .seed = 9};
+  state.agents.add(1.0, 1.0, 3.0, 4.0, 0.1, 2.0, 0, 0);  // kinetic energy 25
+  ThermostatSettings const brownian = resolved({.kind = ThermostatKind::brownian}, state.agents);
+  EXPECT_DOUBLE_EQ(brownian.temperature.value(), 25.0);
+  EXPECT_DOUBLE_EQ(brownian.interval.value(), 0.05 * 0.2 * std::sqrt(2.0 / 25.0));
+  EXPECT_FALSE(brownian.rate);
+  BrownianScales const scales = brownian_scales(brownian, 2.0, 0.2);
+  EXPECT_DOUBLE_EQ(scales.diffusion, 25.0 * *brownian.interval / 4.0);
+  EXPECT_DOUBLE_EQ(scales.flight, 0.05);
+  EXPECT_DOUBLE_EQ(scales.kicks_of_sigma2, 0.04 / scales.diffusion / *brownian.interval);
+  ThermostatSettings const andersen = resolved({.kind = ThermostatKind::andersen}, state.agents);
+  EXPECT_DOUBLE_EQ(andersen.rate.value(), std::sqrt(12.5) / 0.2);
+  EXPECT_DOUBLE_EQ(brownian_scales(andersen, 2.0, 0.2).diffusion, 12.5 / *andersen.rate);
+}
+
+TEST(ThermostatSettings, AreRefusedForDisksAtRestAndByEnginesWithATimeStep) {
+  State state{.box = Box(3.0, 2.0, Edge::periodic), .seed = 9};
+  state.agents.add(1.0, 1.0, 0.0, 0.0, 0.1, 2.0, 0, 0);
+  auto const problem = [&](EngineSettings const& settings) -> std::string {
+    try {
+      make_engine(settings, state);
+    } catch (Error const& error) {
+      return error.problems().front().key + ": " + error.problems().front().what;
+    }
+    return "";
+  };
+  EXPECT_EQ(problem({.kind = "exact", .thermostat = {.kind = ThermostatKind::brownian}}),
+            "thermostat.temperature: the disks rest at the start, so the temperature of the thermostat is not known");
+  for (char const* kind : {"stepped", "tiled"}) {
+    EXPECT_EQ(problem({.kind = kind, .thermostat = {.kind = ThermostatKind::andersen, .temperature = 1.0}}),
+              std::string("thermostat.kind: the engine \"") + kind + "\" has no thermostat");
+  }
+  EXPECT_EQ(problem({.kind = "exact", .thermostat = {.kind = ThermostatKind::brownian, .temperature = 1.0}}), "");
+}
+
+}  // namespace
+}  // namespace gridlock
