@@ -31,7 +31,7 @@ class RowsOfRanks {
     part.agents.become(ids, values);
     return part;
   }
-  void take_back(std::size_t rank, State const& part) {
+  void take_back(std::size_t /*rank*/, State const& part) {
     std::scoped_lock const lock(mutex_);
     for (std::size_t k = 0; k < part.agents.size(); ++k) {
       std::size_t const row = state_.agents.index_of(part.agents.ids()[k]);
