@@ -16,7 +16,6 @@ struct Lacking {
   std::string_view instead;  ///< reason or substitute
 };
 
-constexpr std::string_view constant_energy = "the energy of a run is constant";
 constexpr std::string_view constant_area =
     "the area of a run is constant; a stage of a [[protocol]] may end at a pressure";
 constexpr std::string_view no_shear = "it says whether a packing is stable against shear, but cannot shear it";
@@ -24,10 +23,8 @@ constexpr std::string_view no_forces = "hard disks fly freely between collisions
 constexpr std::string_view smooth = "disks are smooth and elastic";
 
 /// Words for missing features; docs/explanation/limits.md explains each of them.
-constexpr std::array<Lacking, 16> all_lacking{{
-    {"thermostat", constant_energy},
-    {"langevin", constant_energy},
-    {"brownian", constant_energy},
+constexpr std::array<Lacking, 14> all_lacking{{
+    {"langevin", "the thermostats of the engine exact are \"andersen\" and \"brownian\""},
     {"barostat", constant_area},
     {"pressure", constant_area},
     {"npt", constant_area},

@@ -80,7 +80,7 @@ TEST(Check, OfASmallRunEstimatesNothing) {
 }
 
 TEST(UnknownTable, ThatGridlockHasNotIsSaidToBeLacking) {
-  for (std::string const word : {"thermostat", "gravity", "pressure", "tilt", "barostat"}) {
+  for (std::string const word : {"langevin", "gravity", "pressure", "tilt", "barostat"}) {
     Workplace const workplace;
     write(workplace / "a.toml", "[" + word + "]\nvalue = 1.0\n");
     Outcome const outcome = in(workplace, {"check", "a.toml"});
