@@ -229,15 +229,19 @@ std::string explained_stage(std::string const& key) {
   return "";
 }
 
+/// Returns the explanation of the temperature, which a thermostat or the first velocities set; empty for other words.
+std::string explained_temperature(std::string const& key) {
+  if (key != "temperature" && key != "kT" && key != "kt") return "";
+  Configuration configuration;
+  auto const settings = describing(configuration);
+  return fmt::format(
+      "{} is set by a thermostat; without one kT is the mean kinetic energy of a disk, kinetic_energy / N, and follows "
+      "from masses and speeds\n\n{}\n{}",
+      key, explain(settings, "thermostat.temperature"), explain(settings, "velocities"));
+}
+
 /// Returns the explanation of a word that users look for although it is no name in Gridlock; empty for other words.
 std::string explained_word(std::string const& key) {
-  Configuration configuration;
-  if (key == "temperature" || key == "kT" || key == "kt") {
-    return fmt::format(
-        "{} is not set: kT is the mean kinetic energy of a disk, kinetic_energy / N, and follows from masses and "
-        "speeds\n\n{}",
-        key, explain(describing(configuration), "velocities"));
-  }
   if (key == "sweep") {
     return "[sweep] lists values of settings, such as run.seed = [1, 2, 3], and gridlock sweep makes a run of every "
            "combination\n";
@@ -251,6 +255,7 @@ std::string explained_word(std::string const& key) {
 /// Returns the explanation of a setting, table, column, engine, abbreviation or another word that users look for.
 /// Errors: Error for other words.
 std::string explained(std::string const& key) {
+  if (std::string temperature = explained_temperature(key); !temperature.empty()) return temperature;
   if (auto const name = name_of_abbreviation(key)) return fmt::format("{} is {}\n\n{}", key, *name, explained(*name));
   std::string text = explained_observables(key);
   if (key == "observables") return fmt::format("{}\n{}", text, explained_elsewhere(key));

@@ -118,7 +118,7 @@ ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
     : audit_every_(settings.audit_every),
       duration_(step_duration(settings, state)),
       thread_count_(settings.threads),
-      thermostat_settings_(resolved(settings.thermostat, state.agents)) {
+      thermostat_settings_(resolved(settings.thermostat, state)) {
   require_exact_start(state);
 }
 

@@ -24,6 +24,21 @@ double mean_mass(Disks const& disks) {
   return sum / static_cast<double>(disks.size());
 }
 
+/// Kicks that come so often that disks do not move between them would never end. `speed` is in diameters per time.
+void require_countable_kicks(ThermostatSettings const& settings, double speed, double now) {
+  constexpr double min_flight = 1e-6;
+  constexpr double max_kicks = 0x1p52;
+  bool const is_brownian = settings.kind == ThermostatKind::brownian;
+  double const between = is_brownian ? *settings.interval : 1.0 / *settings.rate;
+  if (speed * between >= min_flight && now / between <= max_kicks) return;
+  throw Error(
+      {.what = fmt::format("between two kicks, {:.3g} apart in time, a disk would fly {:.3g} of its diameter, and "
+                           "the clock begins at {:.6g}: too many to count",
+                           between, speed * between, now),
+       .hint = is_brownian ? "use a longer interval" : "use a lower rate",
+       .key = is_brownian ? "thermostat.interval" : "thermostat.rate"});
+}
+
 }  // namespace
 
 void describe(ThermostatSettings& settings, SettingVisitor& visitor) {
@@ -65,7 +80,8 @@ void describe(ThermostatSettings& settings, SettingVisitor& visitor) {
 
 std::string_view to_text(ThermostatKind kind) { return kinds[static_cast<std::size_t>(kind)]; }
 
-ThermostatSettings resolved(ThermostatSettings const& settings, Disks const& disks) {
+ThermostatSettings resolved(ThermostatSettings const& settings, State const& state) {
+  Disks const& disks = state.agents;
   ThermostatSettings full = settings;
   if (settings.kind == ThermostatKind::none || disks.empty()) return full;
   if (!full.temperature) full.temperature = kinetic_energy(disks) / static_cast<double>(disks.size());
@@ -78,6 +94,7 @@ ThermostatSettings resolved(ThermostatSettings const& settings, Disks const& dis
   double const speed = std::sqrt(*full.temperature / mean_mass(disks));
   if (!full.rate && full.kind == ThermostatKind::andersen) full.rate = speed / diameter;
   if (!full.interval && full.kind == ThermostatKind::brownian) full.interval = default_flight * diameter / speed;
+  require_countable_kicks(full, speed / diameter, state.clock.time);
   return full;
 }
 

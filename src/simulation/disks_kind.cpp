@@ -337,7 +337,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   DisksOverview const all = overview_of_all(own.agents, processes);
   resolve(configuration);
   if (configuration.protocol.empty()) {
-    configuration.engine.thermostat = resolved(configuration.engine.thermostat, own.agents);
+    configuration.engine.thermostat = resolved(configuration.engine.thermostat, own);
     if (auto note = motion_by_thermostat(configuration.engine.thermostat, own.agents))
       setup.notes.push_back(*std::move(note));
   }

@@ -98,16 +98,26 @@ std::string text_of_start_file(Event const& event) {
   }
 }
 
+/// The longest path between two kicks, in diameters, for which the error of self-diffusion is linear in the path.
+constexpr double max_brownian_flight = 0.25;
+
 std::string text_of_thermostat(Values const& of) {
   std::string const free_motion =
       fmt::format("{}: kT = {:.6g}, a free disk{} diffuses with D₀ = {:.6g}", of.word("kind"), of.number("temperature"),
                   of.count("are_unlike") == 0 ? "" : " of the mean mass", of.number("diffusion"));
   if (of.word("kind") != "brownian") return free_motion;
+  double const flight = of.number("flight");
+  std::string const draws =
+      fmt::format("{}; {:.4g} draws of all velocities in σ²/D₀, between two of them a path of {:.3g} σ along each axis",
+                  free_motion, of.number("draws"), flight);
+  if (flight > max_brownian_flight) {
+    return fmt::format(
+        "{}: too long for Brownian motion between disks; an interval {:.2g} times as long makes it 0.1 σ", draws,
+        0.1 / flight);
+  }
   return fmt::format(
-      "{}; {:.4g} draws of all velocities in σ²/D₀, between two of them a path of {:.3g} σ along each "
-      "axis: self-diffusion at a packing fraction of 0.5 is about {:.2g} % too small, less where it is "
-      "lower",
-      free_motion, of.number("draws"), of.number("flight"), of.number("error_percent"));
+      "{}: self-diffusion at a packing fraction of 0.5 is about {:.2g} % too small, less where it is lower", draws,
+      of.number("error_percent"));
 }
 
 std::string text_of_setup(Event const& event) {

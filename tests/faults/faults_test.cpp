@@ -204,6 +204,14 @@ INSTANTIATE_TEST_SUITE_P(
                     Kind{"exact_within_steps",
                          "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"",
                          false},
+                    Kind{"brownian_within_steps",
+                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
+                         "thermostat.kind = \"brownian\"",
+                         false},
+                    Kind{"andersen_within_steps",
+                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\n"
+                         "thermostat.kind = \"andersen\"",
+                         false},
                     Kind{"births_and_deaths",
                          "run.steps = 1200\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
                          "epidemic.turnover_rate = 0.02\nengine.threads = 2"},

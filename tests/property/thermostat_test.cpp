@@ -170,7 +170,7 @@ TEST(BrownianDisk, WithoutCollisionsIsARandomFlight) {
 TEST(ThermostatSettings, FillInTheTemperatureOfTheStartAndAShortFlight) {
   State state{.box = Box(3.0, 2.0, Edge::periodic), .seed = 9};
   state.agents.add(1.0, 1.0, 3.0, 4.0, 0.1, 2.0, 0, 0);  // kinetic energy 25
-  ThermostatSettings const brownian = resolved({.kind = ThermostatKind::brownian}, state.agents);
+  ThermostatSettings const brownian = resolved({.kind = ThermostatKind::brownian}, state);
   EXPECT_DOUBLE_EQ(brownian.temperature.value(), 25.0);
   EXPECT_DOUBLE_EQ(brownian.interval.value(), 0.05 * 0.2 * std::sqrt(2.0 / 25.0));
   EXPECT_FALSE(brownian.rate);
@@ -178,7 +178,7 @@ TEST(ThermostatSettings, FillInTheTemperatureOfTheStartAndAShortFlight) {
   EXPECT_DOUBLE_EQ(scales.diffusion, 25.0 * *brownian.interval / 4.0);
   EXPECT_DOUBLE_EQ(scales.flight, 0.05);
   EXPECT_DOUBLE_EQ(scales.kicks_of_sigma2, 0.04 / scales.diffusion / *brownian.interval);
-  ThermostatSettings const andersen = resolved({.kind = ThermostatKind::andersen}, state.agents);
+  ThermostatSettings const andersen = resolved({.kind = ThermostatKind::andersen}, state);
   EXPECT_DOUBLE_EQ(andersen.rate.value(), std::sqrt(12.5) / 0.2);
   EXPECT_DOUBLE_EQ(brownian_scales(andersen, 2.0, 0.2).diffusion, 12.5 / *andersen.rate);
 }
@@ -201,6 +201,28 @@ TEST(ThermostatSettings, AreRefusedForDisksAtRestAndByEnginesWithATimeStep) {
               std::string("thermostat.kind: the engine \"") + kind + "\" has no thermostat");
   }
   EXPECT_EQ(problem({.kind = "exact", .thermostat = {.kind = ThermostatKind::brownian, .temperature = 1.0}}), "");
+}
+
+TEST(ThermostatSettings, AreRefusedWhereKicksComeTooOftenToBeCounted) {
+  State state{.box = Box(3.0, 2.0, Edge::periodic), .seed = 9};
+  state.agents.add(1.0, 1.0, 0.0, 0.0, 0.1, 1.0, 0, 0);
+  auto const key_of_refusal = [&](ThermostatSettings const& settings) -> std::string {
+    try {
+      static_cast<void>(resolved(settings, state));
+    } catch (Error const& error) {
+      return error.problems().front().key;
+    }
+    return "";
+  };
+  ThermostatSettings const brownian{.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = 1e-300};
+  EXPECT_EQ(key_of_refusal(brownian), "thermostat.interval");
+  EXPECT_EQ(key_of_refusal({.kind = ThermostatKind::andersen, .temperature = 1.0, .rate = 1e30}), "thermostat.rate");
+  ThermostatSettings const usual{.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = 1e-3};
+  EXPECT_EQ(key_of_refusal(usual), "");
+  state.clock.time = 1e15;
+  EXPECT_EQ(key_of_refusal(usual), "thermostat.interval");
+  state.clock.time = -5.0;
+  EXPECT_EQ(key_of_refusal(usual), "");
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/core/world.hpp"
 
 namespace gridlock {
 
@@ -30,7 +31,7 @@ namespace gridlock {
 ///           Brownian dynamics (Scala, Voigtmann, De Michele 2007, doi:10.1063/1.2719190). A free disk diffuses with
 ///           D₀ = kT Δt/(2m).
 enum class ThermostatKind { none, andersen, brownian };
-/// The word of a kind, as in thermostat.kind.
+/// Returns the word of a kind, as in thermostat.kind.
 std::string_view to_text(ThermostatKind kind);
 
 /// The settings `[thermostat]`, which the engine `exact` knows. A Maxwell velocity has components of variance kT/m,
@@ -39,14 +40,15 @@ struct ThermostatSettings {
   ThermostatKind kind = ThermostatKind::none;
   std::optional<double> temperature;  ///< kT; left out: the kinetic energy of a disk at the start
   std::optional<double> rate;         ///< per time; left out: √(kT/m)/σ, of the mean mass and the smallest diameter
-  std::optional<double> interval;     ///< left out: 0.05 σ √(m/kT), of the same
+  std::optional<double> interval;     ///< left out: 0.05 σ √(m/kT), of the mean mass and the smallest diameter
 };
 void describe(ThermostatSettings& settings, SettingVisitor& visitor);
 
-/// The settings with all that was left out filled in for these disks.
+/// Returns the settings with all that was left out filled in for the disks of a state.
 /// Errors: Error under "thermostat.temperature" where the disks rest and no temperature is given, and under
-/// "thermostat.interval" or "thermostat.rate" where a double cannot hold the numbers.
-ThermostatSettings resolved(ThermostatSettings const& settings, Disks const& disks);
+/// "thermostat.interval" or "thermostat.rate" where a disk would fly less than 10⁻⁶ of its diameter between two kicks,
+/// or the clock is too late to count them.
+ThermostatSettings resolved(ThermostatSettings const& settings, State const& state);
 
 /// Numbers that tell how far a thermostat is from Brownian motion, of a disk of mass m and diameter σ.
 struct BrownianScales {
@@ -54,7 +56,7 @@ struct BrownianScales {
   double flight;           ///< root mean square path between two kicks, along each axis, in σ
   double kicks_of_sigma2;  ///< kicks in σ²/D₀, the time of diffusion over a diameter
 };
-/// Contract: resolved settings of a thermostat that is not none.
+/// Returns them. Contract: resolved settings of a thermostat that is not none.
 BrownianScales brownian_scales(ThermostatSettings const& settings, double mass, double diameter);
 
 }  // namespace gridlock

@@ -28,7 +28,7 @@ Vector Thermostat::velocity_of(std::uint64_t kick, Id id, double mass) const {
 void Thermostat::start_from(State& state) {
   Disks& disks = state.agents;
   if (is_brownian()) {
-    next_kick_ = static_cast<std::uint64_t>(std::ceil(state.clock.time / *settings_.interval));
+    next_kick_ = static_cast<std::uint64_t>(std::max(0.0, std::ceil(state.clock.time / *settings_.interval)));
     while (time_of(next_kick_) < state.clock.time) ++next_kick_;
     if (time_of(next_kick_) > state.clock.time) return;
     for (std::size_t row = 0; row < disks.size(); ++row) {
