@@ -12,8 +12,8 @@
 
 namespace gridlock {
 
-/// An index of the agents alive at one time: each has a place, its position in the order of the Ids. It finds values stored
-/// then for agents whose rows have changed since.
+/// An index of the agents alive at one time: each has a place, its position in the order of the Ids. It finds values
+/// stored then for agents whose rows have changed since.
 /// Cost: one comparison if the Ids have no gaps or the row has not changed, else O(log N). Memory: 8 bytes an agent, or
 /// none if the Ids have no gaps, as at a start; 4 bytes an agent more if the rows were not in the order of the Ids.
 class IdIndex {
