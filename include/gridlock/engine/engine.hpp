@@ -111,9 +111,9 @@ struct EngineSettings {
   CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< exact: pair collisions between two audits; 0: never
   GridKind grid = GridKind::packed;
-  std::uint64_t threads = 0;    ///< exact and tiled: number of threads; 0: one for each core
+  std::uint64_t threads = 0;           ///< exact and tiled: number of threads; 0: one for each core
   ThermostatSettings thermostat = {};  ///< exact: the settings `[thermostat]`
-  AllProcesses processes = {};  ///< tiled: processes that share the run; not set by a file
+  AllProcesses processes = {};         ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 /// Describes only the threads, the only setting of `[engine]` that models other than hard disks use.
