@@ -207,7 +207,7 @@ class SharedModelEngine final : public EngineFor<Model> {
                              .cutoff = steps_of_model.cutoff,
                              .time_step = steps_of_model.time_step,
                              .threads = threads_,
-                             .agents = processes_.sum(own.agents.size())};
+                             .agents = static_cast<std::size_t>(processes_.sum(own.agents.size()))};
       NameBirths name_births;
       if (processes_.is_root()) {
         name_births = [&](std::span<Id const> deaths, std::size_t births) {
