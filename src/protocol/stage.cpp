@@ -9,16 +9,7 @@
 
 namespace gridlock {
 
-// Each record is in the file of its stage.
-StageRecord grow_stage();
-StageRecord run_stage();
-StageRecord quench_stage();
-StageRecord compress_stage();
-StageRecord decompress_stage();
-StageRecord separate_stage();
-StageRecord swap_stage();
-
-/// All kinds of stages. A new kind takes one line here, one above, and a file of its own.
+/// All kinds of stages. A new kind takes one line here, one in stage.hpp, and a file of its own.
 std::span<StageRecord const> stage_records() {
   static std::array const records{grow_stage(),       run_stage(),      quench_stage(), compress_stage(),
                                   decompress_stage(), separate_stage(), swap_stage()};

@@ -89,6 +89,15 @@ std::optional<double> packing_fraction_at_end(StageSettings const& stage, std::o
 /// Writes positions and radii into the state that the packing was made of, and counts the edges that disks crossed.
 void write_packing(Packing const& packing, State& state);
 
+// Each record is in the file of its stage.
+StageRecord grow_stage();
+StageRecord run_stage();
+StageRecord quench_stage();
+StageRecord compress_stage();
+StageRecord decompress_stage();
+StageRecord separate_stage();
+StageRecord swap_stage();
+
 /// Returns the records of all kinds, in the order of the documentation.
 std::span<StageRecord const> stage_records();
 

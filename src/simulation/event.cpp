@@ -102,7 +102,7 @@ std::string text_of_start_file(Event const& event) {
 constexpr double max_brownian_flight = 0.25;
 
 std::string text_of_thermostat(Values const& of) {
-  std::string const free_motion =
+  std::string free_motion =
       fmt::format("{}: kT = {:.6g}, a free disk{} diffuses with D₀ = {:.6g}", of.word("kind"), of.number("temperature"),
                   of.count("are_unlike") == 0 ? "" : " of the mean mass", of.number("diffusion"));
   if (of.word("kind") != "brownian") return free_motion;

@@ -9,7 +9,7 @@ namespace gridlock::exact {
 namespace {
 
 /// Hits of a disk in an epoch, on average, so that the calendar stays small.
-constexpr double hits_in_epoch = 32.0;
+constexpr double hits_until_next_epoch = 32.0;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_
   longest_epoch_ = longest_epoch();
   next_kick_ = next;
   epoch_length_ = std::min(longest_epoch_, next_kick_ - epoch_start_);
-  if (hits > 0.0) epoch_length_ = std::min(epoch_length_, power_of_two_below(hits_in_epoch / hits_per_time));
+  if (hits > 0.0) epoch_length_ = std::min(epoch_length_, power_of_two_below(hits_until_next_epoch / hits_per_time));
   if (duration > 0.0) expected_events_ = static_cast<std::uint64_t>(events * (epoch_length_ / duration));
   time_since_sort_ += duration;
   bool const is_sort_due = time_since_sort_ >= longest_epoch_;
