@@ -64,10 +64,10 @@ struct StageRecord {
   std::vector<std::string_view> settings = {};    ///< settings in StageSettings that the kind accepts
   std::vector<std::string_view> ends = {};        ///< end conditions, of which one must be set
   std::string_view table_of_errors = "protocol";  ///< table to which its engine's errors assign the settings
-  bool needs_no_overlaps = false;                 ///< whether it begins with hard disks
-  bool leaves_overlaps = false;
-  bool ends_near_jamming = false;         ///< whether it brings hard disks near jamming
-  bool may_end_without_pressure = false;  ///< whether the next stage may press the disks together
+  bool needs_no_overlaps = false;                 ///< whether the stage before must leave hard disks
+  bool leaves_overlaps = false;                   ///< to be set by a stage that keeps overlaps, too
+  bool ends_near_jamming = false;                 ///< whether it brings hard disks near jamming
+  bool may_end_without_pressure = false;          ///< whether the next stage may press the disks together
   /// Reports settings that contradict each other; null where none can.
   void (*check)(StageCheck const& check) = nullptr;
   /// Returns the packing fraction at the end; nothing where it depends on the disks. Null: it does not change.
