@@ -21,20 +21,21 @@ namespace fs = std::filesystem;
 constexpr char const* only_run = "run";
 
 std::vector<std::string> const& files_of_run() {
-  static std::vector<std::string> const names{"config.resolved.toml",
-                                              "run.log",
-                                              "summary.json",
-                                              "trajectory.h5",
-                                              "series.csv",
-                                              "final.xyz",
-                                              "start.xyz",
-                                              "pair_correlation.csv",
-                                              "speed_distribution.csv",
-                                              "velocity_autocorrelation.csv",
-                                              "stages.csv",
-                                              "levels.csv",
-                                              "contacts.csv",
-                                              "swap_correlations.csv"};
+  static std::vector<std::string> const names = [] {
+    std::vector<std::string> files{"config.resolved.toml",
+                                   "run.log",
+                                   "summary.json",
+                                   "trajectory.h5",
+                                   "series.csv",
+                                   "final.xyz",
+                                   "start.xyz",
+                                   "stages.csv",
+                                   "levels.csv",
+                                   "contacts.csv",
+                                   "swap_correlations.csv"};
+    for (std::string_view const curve : names_of_curves()) files.push_back(std::string(curve) + ".csv");
+    return files;
+  }();
   return names;
 }
 

@@ -27,7 +27,7 @@ namespace gridlock::cli {
 
 namespace {
 
-/// Returns the columns of series.csv that every run has: the clock and the observables.
+/// Returns the columns of series.csv that every run can have: the clock and the observables.
 std::vector<ColumnInfo> measured_columns() {
   std::vector<ColumnInfo> columns = clock_columns();
   std::ranges::move(observed_columns(), std::back_inserter(columns));
@@ -98,8 +98,7 @@ std::vector<ColumnElsewhere> columns_of_curves() {
   Configuration configuration;
   configuration.disks = {.count = 16, .packing_fraction = 0.3};
   configuration.run.steps = 2;
-  configuration.observe.every = 1;
-  configuration.observe.structure_every = 1;
+  configuration.observe = settings_of_all_observables();
   std::vector<ColumnElsewhere> columns;
   for (Distribution const& distribution : simulate(set_up(configuration)).distributions) {
     for (ColumnInfo const& column : distribution.columns)

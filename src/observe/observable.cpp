@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "observe/bond_orientation.hpp"
+#include "observe/density_profile.hpp"
 #include "observe/displacement.hpp"
 #include "observe/energy.hpp"
 #include "observe/pair_correlation.hpp"
@@ -60,6 +62,17 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .documentation = "Samples between two origins of the velocity autocorrelation, and the length of its "
                                   "curve; 0 for one origin and the curve of the whole run."},
                 settings.velocity_origin_every);
+  static constexpr std::array<std::string_view, 4> axes{"none", "x", "y", "both"};
+  visit_enum(visitor,
+             {.key = "density_profile",
+              .documentation = "The axes along which the density of the agents is measured in strips, in every sample "
+                               "that counts."},
+             axes, settings.density_profile);
+  visitor.visit({.key = "density_profile_bins",
+                 .documentation = "Strips of a density profile, from one side of the box to the other.",
+                 .min = 1.0,
+                 .max = 1e6},
+                settings.density_profile_bins);
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -75,6 +88,11 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
     observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
     observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,
                                                             settings.pair_correlation_bins));
+  }
+  using Axis = DensityProfile::Axis;
+  for (auto const [asked, axis] : {std::pair(ProfileAxes::x, Axis::x), std::pair(ProfileAxes::y, Axis::y)}) {
+    if (settings.density_profile != asked && settings.density_profile != ProfileAxes::both) continue;
+    observables.push_back(std::make_unique<DensityProfile>(axis, settings.density_profile_bins));
   }
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
@@ -93,12 +111,23 @@ void require_columns(Observable const& observable, Snapshot const& start) {
   }
 }
 
-std::vector<ColumnInfo> observed_columns() {
+ObserveSettings settings_of_all_observables() {
+  return {.every = 1, .structure_every = 1, .density_profile = ProfileAxes::both};
+}
+
+std::span<std::string_view const> names_of_curves() {
+  static constexpr std::array<std::string_view, 5> names{"pair_correlation", "speed_distribution",
+                                                         "velocity_autocorrelation", "density_profile_x",
+                                                         "density_profile_y"};
+  return names;
+}
+
+std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings) {
   State state{.box = Box(1.0, 1.0, Edge::wall), .agents = {}, .clock = {}, .seed = 0};
   state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);
   Counters const counters;
   std::vector<ColumnInfo> columns;
-  for (auto const& observable : make_observables({}, {state, counters})) {
+  for (auto const& observable : make_observables(settings, {state, counters})) {
     std::ranges::move(observable->columns(), std::back_inserter(columns));
   }
   return columns;

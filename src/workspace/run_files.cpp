@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
 #include "workspace/result_files.hpp"
@@ -41,10 +43,10 @@ std::vector<fs::path> run_files(fs::path const& directory, Configuration const& 
   std::vector<fs::path> files;
   for (char const* name :
        {"config.resolved.toml", "start.xyz", "run.log", "checkpoint.gridlock", "checkpoint.previous.gridlock",
-        "trajectory.h5", "trajectory.h5.part", "series.csv", "pair_correlation.csv", "speed_distribution.csv",
-        "velocity_autocorrelation.csv", "final.xyz", summary_name}) {
+        "trajectory.h5", "trajectory.h5.part", "series.csv", "final.xyz", summary_name}) {
     files.push_back(directory / name);
   }
+  for (std::string_view const curve : names_of_curves()) files.push_back(directory / fmt::format("{}.csv", curve));
   if (configuration.protocol.empty()) return files;
   for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv", "contacts.csv"}) {
     files.push_back(directory / name);

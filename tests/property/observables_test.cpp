@@ -119,7 +119,9 @@ ObserveSettings settings() {
           .pair_correlation_range = 3.0,
           .pair_correlation_bins = 20,
           .speed_bins = 13,
-          .velocity_origin_every = 3};
+          .velocity_origin_every = 3,
+          .density_profile = ProfileAxes::both,
+          .density_profile_bins = 7};
 }
 
 /// Every number that came out, bit by bit.

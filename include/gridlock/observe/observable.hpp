@@ -107,6 +107,9 @@ class Observable {
   virtual void serialize(Archive& archive) = 0;
 };
 
+/// The axes along which the density is measured.
+enum class ProfileAxes { none, x, y, both };
+
 /// The settings `[observe]`.
 struct ObserveSettings {
   std::uint64_t every = 100;            ///< steps between samples
@@ -118,6 +121,8 @@ struct ObserveSettings {
   std::uint64_t speed_bins = 60;
   std::uint64_t velocity_origin_every = 0;  ///< samples between time origins of the velocity autocorrelation; 0: one
                                             ///< origin
+  ProfileAxes density_profile = ProfileAxes::none;
+  std::uint64_t density_profile_bins = 50;
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
@@ -130,7 +135,7 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0. Quantities of walls exist only in boxes with walls.
+/// structure_every is 0; DensityProfile where settings ask for it. Quantities of walls exist only in boxes with walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -139,8 +144,14 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
 /// Throws Error for an observable that requires a column which the agents lack.
 void require_columns(Observable const& observable, Snapshot const& start);
 
-/// Returns the columns of all observables, for disks in a box with walls, which have the most columns.
-std::vector<ColumnInfo> observed_columns();
+/// Returns the settings with which every observable is measured in every sample.
+ObserveSettings settings_of_all_observables();
+
+/// Returns the columns that observables have with these settings, for disks in a box with walls, which have the most.
+std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings = settings_of_all_observables());
+
+/// Returns the names of all curves that observables measure.
+std::span<std::string_view const> names_of_curves();
 
 /// An observable that averages every column over the samples that count: a derived class only measures.
 ///

@@ -67,7 +67,9 @@ TEST(MakeObservables, LeavesOutStructureWhereItIsNotAskedFor) {
 /// A run of `samples` samples in which disks fly freely and the counters grow; every number that comes out is checked.
 void expect_only_numbers(State state, int samples, bool passes_time) {
   Counters counters;
-  auto const observables = make_observables({.structure_every = 1, .pair_correlation_bins = 5}, {state, counters});
+  ObserveSettings settings = settings_of_all_observables();
+  settings.pair_correlation_bins = 5;
+  auto const observables = make_observables(settings, {state, counters});
   for (int n = 0; n < samples; ++n) {
     for (auto const& observable : observables) {
       for (double const value : sample(*observable, state, counters)) EXPECT_FALSE(std::isinf(value));
@@ -156,6 +158,16 @@ TEST(MakeObservables, TheStructureIsMeasuredAtEveryStructureEverySampleWhateverT
   }
 }
 
+/// Everything, with few bins.
+ObserveSettings run_settings() {
+  ObserveSettings settings = settings_of_all_observables();
+  settings.structure_every = 2;
+  settings.pair_correlation_bins = 4;
+  settings.speed_bins = 6;
+  settings.velocity_origin_every = 3;
+  return settings;
+}
+
 /// A run of 45 samples of a gas that is stirred anew between them.
 class StirredRun {
  public:
@@ -165,7 +177,7 @@ class StirredRun {
 
   [[nodiscard]] std::vector<std::unique_ptr<Observable>> begin() const {
     return make_observables(
-        {.structure_every = 2, .pair_correlation_bins = 4, .speed_bins = 6, .velocity_origin_every = 3},
+        run_settings(),
         {state_, counters_});
   }
   void go_to(int n) {
@@ -310,7 +322,7 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   describe(settings, collector);
   EXPECT_EQ(collector.keys,
             (std::set<std::string>{"every", "equilibration", "structure_every", "pair_correlation_range",
-                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every"}));
+                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every", "density_profile", "density_profile_bins"}));
 }
 
 }  // namespace
