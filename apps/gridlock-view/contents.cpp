@@ -10,6 +10,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "io/file_format.hpp"
 
 namespace gridlock::view {

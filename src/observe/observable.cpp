@@ -12,6 +12,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "observe/bond_orientation.hpp"
+#include "observe/cluster_sizes.hpp"
 #include "observe/density_profile.hpp"
 #include "observe/displacement.hpp"
 #include "observe/energy.hpp"
@@ -73,6 +74,17 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .min = 1.0,
                  .max = 1e6},
                 settings.density_profile_bins);
+  visitor.visit({.key = "clusters_every",
+                 .unit = "samples",
+                 .documentation = "Samples between two searches for clusters of near disks; 0 for none."},
+                settings.clusters_every);
+  visitor.visit({.key = "cluster_cutoff",
+                 .unit = "contact distances",
+                 .documentation = "Two disks nearer than this many sums of their radii are in one cluster.",
+                 .min = 0.0,
+                 .max = 1e3,
+                 .min_is_allowed = false},
+                settings.cluster_cutoff);
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -94,6 +106,9 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
     if (settings.density_profile != asked && settings.density_profile != ProfileAxes::both) continue;
     observables.push_back(std::make_unique<DensityProfile>(axis, settings.density_profile_bins));
   }
+  if (settings.clusters_every > 0) {
+    observables.push_back(std::make_unique<ClusterSizes>(settings.clusters_every, settings.cluster_cutoff));
+  }
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
     return (needs.collisions && !dynamics.keeps_counters) ||
@@ -112,13 +127,16 @@ void require_columns(Observable const& observable, Snapshot const& start) {
 }
 
 ObserveSettings settings_of_all_observables() {
-  return {.every = 1, .structure_every = 1, .density_profile = ProfileAxes::both};
+  return {.every = 1, .structure_every = 1, .density_profile = ProfileAxes::both, .clusters_every = 1};
 }
 
 std::span<std::string_view const> names_of_curves() {
-  static constexpr std::array<std::string_view, 5> names{"pair_correlation", "speed_distribution",
-                                                         "velocity_autocorrelation", "density_profile_x",
-                                                         "density_profile_y"};
+  static constexpr std::array<std::string_view, 6> names{"pair_correlation",
+                                                         "speed_distribution",
+                                                         "velocity_autocorrelation",
+                                                         "density_profile_x",
+                                                         "density_profile_y",
+                                                         "cluster_sizes"};
   return names;
 }
 

@@ -121,7 +121,8 @@ ObserveSettings settings() {
           .speed_bins = 13,
           .velocity_origin_every = 3,
           .density_profile = ProfileAxes::both,
-          .density_profile_bins = 7};
+          .density_profile_bins = 7,
+          .clusters_every = 3};
 }
 
 /// Every number that came out, bit by bit.

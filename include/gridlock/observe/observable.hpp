@@ -123,6 +123,8 @@ struct ObserveSettings {
                                             ///< origin
   ProfileAxes density_profile = ProfileAxes::none;
   std::uint64_t density_profile_bins = 50;
+  std::uint64_t clusters_every = 0;  ///< samples between searches for clusters; 0 for none
+  double cluster_cutoff = 1.1;       ///< largest distance of two disks of a cluster, in sums of their radii
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
@@ -135,7 +137,8 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile where settings ask for it. Quantities of walls exist only in boxes with walls.
+/// structure_every is 0; DensityProfile and ClusterSizes where settings ask for them. Quantities of walls exist only in
+/// boxes with walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
