@@ -16,6 +16,7 @@
 #include "observe/density_profile.hpp"
 #include "observe/displacement.hpp"
 #include "observe/energy.hpp"
+#include "observe/local_density.hpp"
 #include "observe/pair_correlation.hpp"
 #include "observe/pressure.hpp"
 #include "observe/rates.hpp"
@@ -85,6 +86,16 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .max = 1e3,
                  .min_is_allowed = false},
                 settings.cluster_cutoff);
+  visitor.visit({.key = "local_density_every",
+                 .unit = "samples",
+                 .documentation = "Samples between two counts of the agents in each cell of a grid; 0 for none."},
+                settings.local_density_every);
+  visitor.visit({.key = "local_density_side",
+                 .unit = "mean diameters",
+                 .documentation = "Side of these cells, changed a little so that a whole number of them fills the box.",
+                 .min = 0.0,
+                 .min_is_allowed = false},
+                settings.local_density_side);
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -109,6 +120,10 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   if (settings.clusters_every > 0) {
     observables.push_back(std::make_unique<ClusterSizes>(settings.clusters_every, settings.cluster_cutoff));
   }
+  if (settings.local_density_every > 0) {
+    observables.push_back(
+        std::make_unique<LocalDensity>(settings.local_density_every, settings.local_density_side));
+  }
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
     return (needs.collisions && !dynamics.keeps_counters) ||
@@ -127,16 +142,21 @@ void require_columns(Observable const& observable, Snapshot const& start) {
 }
 
 ObserveSettings settings_of_all_observables() {
-  return {.every = 1, .structure_every = 1, .density_profile = ProfileAxes::both, .clusters_every = 1};
+  return {.every = 1,
+          .structure_every = 1,
+          .density_profile = ProfileAxes::both,
+          .clusters_every = 1,
+          .local_density_every = 1};
 }
 
 std::span<std::string_view const> names_of_curves() {
-  static constexpr std::array<std::string_view, 6> names{"pair_correlation",
+  static constexpr std::array<std::string_view, 7> names{"pair_correlation",
                                                          "speed_distribution",
                                                          "velocity_autocorrelation",
                                                          "density_profile_x",
                                                          "density_profile_y",
-                                                         "cluster_sizes"};
+                                                         "cluster_sizes",
+                                                         "local_density"};
   return names;
 }
 

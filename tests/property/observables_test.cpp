@@ -122,7 +122,9 @@ ObserveSettings settings() {
           .velocity_origin_every = 3,
           .density_profile = ProfileAxes::both,
           .density_profile_bins = 7,
-          .clusters_every = 3};
+          .clusters_every = 3,
+          .local_density_every = 2,
+          .local_density_side = 3.0};
 }
 
 /// Every number that came out, bit by bit.

@@ -125,6 +125,8 @@ struct ObserveSettings {
   std::uint64_t density_profile_bins = 50;
   std::uint64_t clusters_every = 0;  ///< samples between searches for clusters; 0 for none
   double cluster_cutoff = 1.1;       ///< largest distance of two disks of a cluster, in sums of their radii
+  std::uint64_t local_density_every = 0;  ///< samples between measurements of the local density; 0 for none
+  double local_density_side = 6.4;        ///< side of its cells, in mean diameters
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
@@ -137,8 +139,8 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile and ClusterSizes where settings ask for them. Quantities of walls exist only in
-/// boxes with walls.
+/// structure_every is 0; DensityProfile, ClusterSizes and LocalDensity where settings ask for them. Quantities of walls
+/// exist only in boxes with walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
