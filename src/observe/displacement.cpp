@@ -5,8 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "core/unwrapped.hpp"
-
 namespace gridlock {
 
 std::vector<ColumnInfo> Displacement::columns() const {
@@ -17,23 +15,6 @@ std::vector<ColumnInfo> Displacement::columns() const {
        "Distance of the centre of the agents from where it started; no physics in a periodic box under a time step."}};
 }
 
-namespace {
-
-/// The numbers of edges that an agent has crossed; 0 for agents without such a column.
-template <class Image>
-class Crossings {
- public:
-  explicit Crossings(AgentsView const& agents) {
-    if (agents.has<Image>()) images_ = agents.column<Image>();
-  }
-  std::int32_t operator[](std::size_t row) const { return images_.empty() ? 0 : images_[row]; }
-
- private:
-  std::span<std::int32_t const> images_;
-};
-
-}  // namespace
-
 Requirements Displacement::requirements(Box const& box) const {
   if (!box.is_periodic()) return {.columns = {X::name, Y::name}};
   // Without image columns it is unknown how often an agent has crossed the box.
@@ -41,11 +22,8 @@ Requirements Displacement::requirements(Box const& box) const {
 }
 
 void Displacement::begin(Snapshot const& start) {
-  auto const x = start.agents.column<X>();
-  auto const y = start.agents.column<Y>();
-  Crossings<ImageX> const image_x(start.agents);
-  Crossings<ImageY> const image_y(start.agents);
-  sites_ = start.attached<Site>([&](std::size_t i) { return Site{x[i], y[i], image_x[i], image_y[i]}; });
+  Sites const sites(start.agents);
+  sites_ = start.attached<Site>([&](std::size_t i) { return sites[i]; });
   blocks_ = IdBlocks(start, sites_.agents());
   length_ = {};
   squared_length_ = {};
@@ -56,19 +34,14 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   Box const& box = now.box;
   double const side = box.side();
   auto const ids = now.agents.ids();
-  auto const x = now.agents.column<X>();
-  auto const y = now.agents.column<Y>();
-  Crossings<ImageX> const image_x(now.agents);
-  Crossings<ImageY> const image_y(now.agents);
+  Sites const sites(now.agents);
   enum Sum : std::size_t { of_length, of_square, of_x, of_y, sums };
   SumsOfBlocks<agent_blocks, sums> terms;
   std::array<std::uint64_t, agent_blocks> counts{};
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Site const* const from = sites_.find(ids[i], i);
     if (from == nullptr) continue;
-    double const crossed_x = static_cast<double>(image_x[i]) - static_cast<double>(from->image_x);
-    double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from->image_y);
-    Vector const moved = unwrapped_displacement(box, {from->x, from->y}, {x[i], y[i]}, {crossed_x, crossed_y});
+    Vector const moved = sites.moved(box, *from, i);
     double const squared = squared_length(moved);
     std::size_t const block = blocks_.block_of(ids[i]);
     terms.add(block, {std::sqrt(squared) / side, squared, moved.x, moved.y});

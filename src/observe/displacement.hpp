@@ -10,6 +10,7 @@
 #include "gridlock/observe/detail/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "observe/id_blocks.hpp"
+#include "observe/sites.hpp"
 
 namespace gridlock {
 
@@ -50,13 +51,6 @@ class Displacement final : public Observable {
   void serialize(Archive& archive) override;
 
  private:
-  struct Site {
-    double x;
-    double y;
-    std::int32_t image_x;
-    std::int32_t image_y;
-  };
-
   Attached<Site> sites_;  ///< position of each agent at begin()
   IdBlocks blocks_;
   std::array<Block, agent_blocks> length_{};          ///< Σ |u| of the last sample, in units of the side

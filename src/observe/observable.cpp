@@ -15,6 +15,7 @@
 #include "observe/cluster_sizes.hpp"
 #include "observe/density_profile.hpp"
 #include "observe/displacement.hpp"
+#include "observe/displacement_curve.hpp"
 #include "observe/energy.hpp"
 #include "observe/local_density.hpp"
 #include "observe/pair_correlation.hpp"
@@ -96,6 +97,16 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .min = 0.0,
                  .min_is_allowed = false},
                 settings.local_density_side);
+  visitor.visit({.key = "displacement_lag",
+                 .unit = "samples",
+                 .documentation = "Longest lag of the curve of the mean squared displacement, whose last two thirds give "
+                                  "the diffusion coefficient; 0 for no curve.",
+                 .max = 1e9},
+                settings.displacement_lag);
+  visitor.visit({.key = "displacement_origin_every",
+                 .unit = "samples",
+                 .documentation = "Samples between two origins of this curve; 0 for an eighth of the longest lag."},
+                settings.displacement_origin_every);
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -124,6 +135,10 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
     observables.push_back(
         std::make_unique<LocalDensity>(settings.local_density_every, settings.local_density_side));
   }
+  if (settings.displacement_lag > 0) {
+    observables.push_back(
+        std::make_unique<DisplacementCurve>(settings.displacement_lag, settings.displacement_origin_every));
+  }
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
     return (needs.collisions && !dynamics.keeps_counters) ||
@@ -146,17 +161,19 @@ ObserveSettings settings_of_all_observables() {
           .structure_every = 1,
           .density_profile = ProfileAxes::both,
           .clusters_every = 1,
-          .local_density_every = 1};
+          .local_density_every = 1,
+          .displacement_lag = 1};
 }
 
 std::span<std::string_view const> names_of_curves() {
-  static constexpr std::array<std::string_view, 7> names{"pair_correlation",
+  static constexpr std::array<std::string_view, 8> names{"pair_correlation",
                                                          "speed_distribution",
                                                          "velocity_autocorrelation",
                                                          "density_profile_x",
                                                          "density_profile_y",
                                                          "cluster_sizes",
-                                                         "local_density"};
+                                                         "local_density",
+                                                         "mean_squared_displacement"};
   return names;
 }
 

@@ -124,7 +124,9 @@ ObserveSettings settings() {
           .density_profile_bins = 7,
           .clusters_every = 3,
           .local_density_every = 2,
-          .local_density_side = 3.0};
+          .local_density_side = 3.0,
+          .displacement_lag = 3,
+          .displacement_origin_every = 2};
 }
 
 /// Every number that came out, bit by bit.

@@ -127,6 +127,8 @@ struct ObserveSettings {
   double cluster_cutoff = 1.1;       ///< largest distance of two disks of a cluster, in sums of their radii
   std::uint64_t local_density_every = 0;  ///< samples between measurements of the local density; 0 for none
   double local_density_side = 6.4;        ///< side of its cells, in mean diameters
+  std::uint64_t displacement_lag = 0;     ///< longest lag of the mean squared displacement, in samples; 0 for no curve
+  std::uint64_t displacement_origin_every = 0;  ///< samples between its origins; 0 for an eighth of the longest lag
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
@@ -139,8 +141,8 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile, ClusterSizes and LocalDensity where settings ask for them. Quantities of walls
-/// exist only in boxes with walls.
+/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity and DisplacementCurve where settings ask for them.
+/// Quantities of walls exist only in boxes with walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,

@@ -165,6 +165,8 @@ ObserveSettings run_settings() {
   settings.pair_correlation_bins = 4;
   settings.speed_bins = 6;
   settings.velocity_origin_every = 3;
+  settings.displacement_lag = 7;
+  settings.displacement_origin_every = 2;
   return settings;
 }
 
@@ -322,7 +324,7 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   describe(settings, collector);
   EXPECT_EQ(collector.keys,
             (std::set<std::string>{"every", "equilibration", "structure_every", "pair_correlation_range",
-                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every", "density_profile", "density_profile_bins", "clusters_every", "cluster_cutoff", "local_density_every", "local_density_side"}));
+                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every", "density_profile", "density_profile_bins", "clusters_every", "cluster_cutoff", "local_density_every", "local_density_side", "displacement_lag", "displacement_origin_every"}));
 }
 
 }  // namespace
