@@ -22,6 +22,7 @@
 #include "observe/pressure.hpp"
 #include "observe/rates.hpp"
 #include "observe/speed.hpp"
+#include "observe/temperature_by_kind.hpp"
 #include "observe/velocity_autocorrelation.hpp"
 
 namespace gridlock {
@@ -107,6 +108,10 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .unit = "samples",
                  .documentation = "Samples between two origins of this curve; 0 for an eighth of the longest lag."},
                 settings.displacement_origin_every);
+  visitor.visit({.key = "temperature_by_kind",
+                 .documentation = "Whether the temperature along x and along y is measured, and that of each kind of disk "
+                                  "where there are two to eight."},
+                settings.temperature_by_kind);
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -139,6 +144,7 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
     observables.push_back(
         std::make_unique<DisplacementCurve>(settings.displacement_lag, settings.displacement_origin_every));
   }
+  if (settings.temperature_by_kind) observables.push_back(std::make_unique<TemperatureByKind>());
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
     return (needs.collisions && !dynamics.keeps_counters) ||
@@ -162,7 +168,8 @@ ObserveSettings settings_of_all_observables() {
           .density_profile = ProfileAxes::both,
           .clusters_every = 1,
           .local_density_every = 1,
-          .displacement_lag = 1};
+          .displacement_lag = 1,
+          .temperature_by_kind = true};
 }
 
 std::span<std::string_view const> names_of_curves() {
@@ -179,7 +186,7 @@ std::span<std::string_view const> names_of_curves() {
 
 std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings) {
   State state{.box = Box(1.0, 1.0, Edge::wall), .agents = {}, .clock = {}, .seed = 0};
-  state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);
+  for (double const radius : {0.1, 0.2}) state.agents.add(0.5, 0.5, 1.0, 0.0, radius, 1.0, 0, 0);
   Counters const counters;
   std::vector<ColumnInfo> columns;
   for (auto const& observable : make_observables(settings, {state, counters})) {

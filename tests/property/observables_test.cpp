@@ -126,7 +126,8 @@ ObserveSettings settings() {
           .local_density_every = 2,
           .local_density_side = 3.0,
           .displacement_lag = 3,
-          .displacement_origin_every = 2};
+          .displacement_origin_every = 2,
+          .temperature_by_kind = true};
 }
 
 /// Every number that came out, bit by bit.

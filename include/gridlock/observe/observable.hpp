@@ -129,6 +129,7 @@ struct ObserveSettings {
   double local_density_side = 6.4;        ///< side of its cells, in mean diameters
   std::uint64_t displacement_lag = 0;     ///< longest lag of the mean squared displacement, in samples; 0 for no curve
   std::uint64_t displacement_origin_every = 0;  ///< samples between its origins; 0 for an eighth of the longest lag
+  bool temperature_by_kind = false;             ///< whether to measure kT along x and y, and of each kind of disk
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
@@ -141,8 +142,8 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity and DisplacementCurve where settings ask for them.
-/// Quantities of walls exist only in boxes with walls.
+/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve and TemperatureByKind where settings
+/// ask for them. Quantities of walls exist only in boxes with walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
@@ -154,7 +155,8 @@ void require_columns(Observable const& observable, Snapshot const& start);
 /// Returns the settings with which every observable is measured in every sample.
 ObserveSettings settings_of_all_observables();
 
-/// Returns the columns that observables have with these settings, for disks in a box with walls, which have the most.
+/// Returns the columns that observables have with these settings, for disks of two kinds in a box with walls, which has
+/// the most.
 std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings = settings_of_all_observables());
 
 /// Returns the names of all curves that observables measure.
