@@ -17,6 +17,7 @@
 #include "observe/displacement.hpp"
 #include "observe/displacement_curve.hpp"
 #include "observe/energy.hpp"
+#include "observe/line_flux.hpp"
 #include "observe/local_density.hpp"
 #include "observe/pair_correlation.hpp"
 #include "observe/pressure.hpp"
@@ -98,21 +99,85 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .min = 0.0,
                  .min_is_allowed = false},
                 settings.local_density_side);
-  visitor.visit({.key = "displacement_lag",
-                 .unit = "samples",
-                 .documentation = "Longest lag of the curve of the mean squared displacement, whose last two thirds give "
-                                  "the diffusion coefficient; 0 for no curve.",
-                 .max = 1e9},
-                settings.displacement_lag);
+  visitor.visit(
+      {.key = "displacement_lag",
+       .unit = "samples",
+       .documentation = "Longest lag of the curve of the mean squared displacement, whose last two thirds give "
+                        "the diffusion coefficient; 0 for no curve.",
+       .max = 1e9},
+      settings.displacement_lag);
   visitor.visit({.key = "displacement_origin_every",
                  .unit = "samples",
                  .documentation = "Samples between two origins of this curve; 0 for an eighth of the longest lag."},
                 settings.displacement_origin_every);
-  visitor.visit({.key = "temperature_by_kind",
-                 .documentation = "Whether the temperature along x and along y is measured, and that of each kind of disk "
-                                  "where there are two to eight."},
-                settings.temperature_by_kind);
+  visitor.visit(
+      {.key = "temperature_by_kind",
+       .documentation = "Whether the temperature along x and along y is measured, and that of each kind of disk "
+                        "where there are two to eight."},
+      settings.temperature_by_kind);
+  static constexpr std::array<std::string_view, 3> lines{"none", "vertical", "horizontal"};
+  visit_enum(
+      visitor,
+      {.key = "flux_line",
+       .documentation = "The line through the whole box at which the agents that cross it in either direction are "
+                        "counted."},
+      lines, settings.flux_line);
+  visitor.visit({.key = "flux_position",
+                 .unit = "length",
+                 .documentation = "x of a vertical line of the flux, y of a horizontal one.",
+                 .min = 0.0,
+                 .default_note = "the middle of the box"},
+                settings.flux_position);
 }
+
+namespace {
+
+/// An observable that a setting asks for.
+struct RequestedObservable {
+  std::string_view setting;
+  std::unique_ptr<Observable> observable;
+};
+
+std::vector<RequestedObservable> requested_observables(ObserveSettings const& settings) {
+  std::vector<RequestedObservable> requested;
+  auto const add = [&](std::string_view setting, std::unique_ptr<Observable> observable) {
+    requested.push_back({setting, std::move(observable)});
+  };
+  using Axis = DensityProfile::Axis;
+  for (auto const [asked, axis] : {std::pair(ProfileAxes::x, Axis::x), std::pair(ProfileAxes::y, Axis::y)}) {
+    if (settings.density_profile != asked && settings.density_profile != ProfileAxes::both) continue;
+    add("density_profile", std::make_unique<DensityProfile>(axis, settings.density_profile_bins));
+  }
+  if (settings.clusters_every > 0) {
+    add("clusters_every", std::make_unique<ClusterSizes>(settings.clusters_every, settings.cluster_cutoff));
+  }
+  if (settings.local_density_every > 0) {
+    add("local_density_every",
+        std::make_unique<LocalDensity>(settings.local_density_every, settings.local_density_side));
+  }
+  if (settings.displacement_lag > 0) {
+    add("displacement_lag",
+        std::make_unique<DisplacementCurve>(settings.displacement_lag, settings.displacement_origin_every));
+  }
+  if (settings.temperature_by_kind) add("temperature_by_kind", std::make_unique<TemperatureByKind>());
+  if (settings.flux_line != FluxLine::none) {
+    add("flux_line", std::make_unique<LineFlux>(settings.flux_line, settings.flux_position));
+  }
+  return requested;
+}
+
+/// Throws Error for an observable that a setting asks for and that agents without a column cannot have.
+void require_requested(std::string_view setting, Observable const& observable, Snapshot const& start) {
+  for (std::string_view const name : observable.requirements(start.box).columns) {
+    if (start.agents.has(name)) continue;
+    throw Error({.what = fmt::format("observe.{} measures what needs the column {}, which these agents do not have",
+                                     setting, name),
+                 .hint = fmt::format("leave it out; they have {}", fmt::join(start.agents.names(), ", ")),
+                 .key = fmt::format("observe.{}", setting)});
+  }
+}
+
+}  // namespace
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics) {
@@ -128,28 +193,15 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
     observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,
                                                             settings.pair_correlation_bins));
   }
-  using Axis = DensityProfile::Axis;
-  for (auto const [asked, axis] : {std::pair(ProfileAxes::x, Axis::x), std::pair(ProfileAxes::y, Axis::y)}) {
-    if (settings.density_profile != asked && settings.density_profile != ProfileAxes::both) continue;
-    observables.push_back(std::make_unique<DensityProfile>(axis, settings.density_profile_bins));
-  }
-  if (settings.clusters_every > 0) {
-    observables.push_back(std::make_unique<ClusterSizes>(settings.clusters_every, settings.cluster_cutoff));
-  }
-  if (settings.local_density_every > 0) {
-    observables.push_back(
-        std::make_unique<LocalDensity>(settings.local_density_every, settings.local_density_side));
-  }
-  if (settings.displacement_lag > 0) {
-    observables.push_back(
-        std::make_unique<DisplacementCurve>(settings.displacement_lag, settings.displacement_origin_every));
-  }
-  if (settings.temperature_by_kind) observables.push_back(std::make_unique<TemperatureByKind>());
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
     return (needs.collisions && !dynamics.keeps_counters) ||
            std::ranges::any_of(needs.columns, [&](std::string_view name) { return !start.agents.has(name); });
   });
+  for (auto& [setting, observable] : requested_observables(settings)) {
+    require_requested(setting, *observable, start);
+    observables.push_back(std::move(observable));
+  }
   for (auto const& observable : observables) observable->begin(start);
   return observables;
 }
@@ -169,18 +221,14 @@ ObserveSettings settings_of_all_observables() {
           .clusters_every = 1,
           .local_density_every = 1,
           .displacement_lag = 1,
-          .temperature_by_kind = true};
+          .temperature_by_kind = true,
+          .flux_line = FluxLine::vertical};
 }
 
 std::span<std::string_view const> names_of_curves() {
-  static constexpr std::array<std::string_view, 8> names{"pair_correlation",
-                                                         "speed_distribution",
-                                                         "velocity_autocorrelation",
-                                                         "density_profile_x",
-                                                         "density_profile_y",
-                                                         "cluster_sizes",
-                                                         "local_density",
-                                                         "mean_squared_displacement"};
+  static constexpr std::array<std::string_view, 8> names{
+      "pair_correlation", "speed_distribution", "velocity_autocorrelation", "density_profile_x", "density_profile_y",
+      "cluster_sizes",    "local_density",      "mean_squared_displacement"};
   return names;
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "observe/unused_settings.hpp"
 #include "simulation/countable_time.hpp"
 #include "simulation/frame_schedule.hpp"
 #include "simulation/memory.hpp"
@@ -148,7 +149,11 @@ std::vector<Event> unused_settings(Configuration const& configuration, IsGiven c
   std::vector<Event> notes;
   for (std::string const& key : setting_keys(describing(described))) {
     if (!is_given(key)) continue;
-    std::string const choice = kind.unused_because_of(configuration, key);
+    constexpr std::string_view observe = "observe.";
+    std::string const choice =
+        key.starts_with(observe)
+            ? std::string(unused_because_of(configuration.observe, std::string_view(key).substr(observe.size())))
+            : kind.unused_because_of(configuration, key);
     if (choice.empty()) continue;
     notes.push_back({.kind = EventKind::unused_setting,
                      .key = key,

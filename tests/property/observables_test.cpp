@@ -127,7 +127,8 @@ ObserveSettings settings() {
           .local_density_side = 3.0,
           .displacement_lag = 3,
           .displacement_origin_every = 2,
-          .temperature_by_kind = true};
+          .temperature_by_kind = true,
+          .flux_line = FluxLine::horizontal};
 }
 
 /// Every number that came out, bit by bit.

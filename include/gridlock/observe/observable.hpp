@@ -110,6 +110,9 @@ class Observable {
 /// The axes along which the density is measured.
 enum class ProfileAxes { none, x, y, both };
 
+/// The line through which the flux of agents is measured: x = position is vertical, y = position is horizontal.
+enum class FluxLine { none, vertical, horizontal };
+
 /// The settings `[observe]`.
 struct ObserveSettings {
   std::uint64_t every = 100;            ///< steps between samples
@@ -123,13 +126,15 @@ struct ObserveSettings {
                                             ///< origin
   ProfileAxes density_profile = ProfileAxes::none;
   std::uint64_t density_profile_bins = 50;
-  std::uint64_t clusters_every = 0;  ///< samples between searches for clusters; 0 for none
-  double cluster_cutoff = 1.1;       ///< largest distance of two disks of a cluster, in sums of their radii
+  std::uint64_t clusters_every = 0;       ///< samples between searches for clusters; 0 for none
+  double cluster_cutoff = 1.1;            ///< largest distance of two disks of a cluster, in sums of their radii
   std::uint64_t local_density_every = 0;  ///< samples between measurements of the local density; 0 for none
   double local_density_side = 6.4;        ///< side of its cells, in mean diameters
   std::uint64_t displacement_lag = 0;     ///< longest lag of the mean squared displacement, in samples; 0 for no curve
   std::uint64_t displacement_origin_every = 0;  ///< samples between its origins; 0 for an eighth of the longest lag
   bool temperature_by_kind = false;             ///< whether to measure kT along x and y, and of each kind of disk
+  FluxLine flux_line = FluxLine::none;
+  std::optional<double> flux_position;  ///< by default in the middle of the box
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
@@ -142,8 +147,8 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve and TemperatureByKind where settings
-/// ask for them. Quantities of walls exist only in boxes with walls.
+/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve, TemperatureByKind and LineFlux
+/// where settings ask for them (Error for agents that lack a column). Quantities of walls exist only between walls.
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
 /// due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "io/checkpoint.hpp"
+#include "observe/unused_settings.hpp"
 #include "unit/observe/hand_built.hpp"
 
 namespace gridlock {
@@ -170,6 +172,56 @@ ObserveSettings run_settings() {
   return settings;
 }
 
+TEST(MakeObservables, RefusesAnObservableOnRequestThatAgentsCannotHave) {
+  struct Points {
+    using Agents = Population<X, Y>;
+  };
+  World<Points> const world{.box = Box(2.0, 1.0, Edge::periodic), .agents = {}, .clock = {}, .seed = 0};
+  Counters const counters;
+  EXPECT_NO_THROW(
+      make_observables({.density_profile = ProfileAxes::both, .local_density_every = 1}, {world, counters}));
+  auto const refusal = [&](ObserveSettings const& settings) -> std::string {
+    try {
+      make_observables(settings, {world, counters});
+    } catch (Error const& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal({.clusters_every = 1}).find("observe.clusters_every measures what needs the column radius"),
+            std::string::npos);
+  EXPECT_NE(refusal({.displacement_lag = 1}).find("column image_x"), std::string::npos);
+  EXPECT_NE(refusal({.temperature_by_kind = true}).find("column velocity_x"), std::string::npos);
+  EXPECT_NE(refusal({.flux_line = FluxLine::vertical}).find("column image_x"), std::string::npos);
+}
+
+TEST(NamesOfCurves, AreThoseOfAllCurvesThatAreMeasured) {
+  State state = ideal_gas(Box(3, 2, Edge::wall), 40, 0.1, 5);
+  draw_maxwell(state, 1.0, 1);
+  std::set<std::string> found;
+  for (auto const& observable : make_observables(settings_of_all_observables(), {state, {}})) {
+    for (int n = 0; n < 3; ++n) {
+      state.clock.time = 0.1 * n;
+      sample(*observable, state);
+    }
+    for (Distribution const& distribution : observable->distributions()) found.insert(distribution.name);
+  }
+  auto const names = names_of_curves();
+  EXPECT_EQ(found, std::set<std::string>(names.begin(), names.end()));
+}
+
+TEST(UnusedSettings, OfObservablesAreThoseOfWhatIsNotAskedFor) {
+  ObserveSettings none;
+  none.structure_every = 0;
+  for (char const* setting : {"pair_correlation_range", "pair_correlation_bins", "density_profile_bins",
+                              "cluster_cutoff", "local_density_side", "displacement_origin_every", "flux_position"}) {
+    EXPECT_NE(unused_because_of(none, setting), "") << setting;
+    EXPECT_EQ(unused_because_of(settings_of_all_observables(), setting), "") << setting;
+  }
+  EXPECT_EQ(unused_because_of(none, "cluster_cutoff"), "observe.clusters_every = 0");
+  EXPECT_EQ(unused_because_of(none, "every"), "");
+}
+
 /// A run of 45 samples of a gas that is stirred anew between them.
 class StirredRun {
  public:
@@ -178,9 +230,7 @@ class StirredRun {
   explicit StirredRun(Edge edge) : state_(ideal_gas(Box(3, 2, edge), 40, 0.1, 5)) { stir(0); }
 
   [[nodiscard]] std::vector<std::unique_ptr<Observable>> begin() const {
-    return make_observables(
-        run_settings(),
-        {state_, counters_});
+    return make_observables(run_settings(), {state_, counters_});
   }
   void go_to(int n) {
     stir(static_cast<std::uint64_t>(n));
@@ -324,7 +374,10 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   describe(settings, collector);
   EXPECT_EQ(collector.keys,
             (std::set<std::string>{"every", "equilibration", "structure_every", "pair_correlation_range",
-                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every", "density_profile", "density_profile_bins", "clusters_every", "cluster_cutoff", "local_density_every", "local_density_side", "displacement_lag", "displacement_origin_every", "temperature_by_kind"}));
+                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every",
+                                   "density_profile", "density_profile_bins", "clusters_every", "cluster_cutoff",
+                                   "local_density_every", "local_density_side", "displacement_lag",
+                                   "displacement_origin_every", "temperature_by_kind", "flux_line", "flux_position"}));
 }
 
 }  // namespace
