@@ -12,10 +12,13 @@ True
 
 from . import _core
 from .analysis import (
+    DensityProfile,
     PairCorrelation,
     StructureFactor,
     Voronoi,
     bond_orientation,
+    clusters,
+    density_profile,
     mean_squared_displacement,
     pair_correlation,
     separations,
@@ -38,10 +41,10 @@ from .world import Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
+    "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "DensityProfile", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
     "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "Voronoi", "World",
-    "bond_orientation", "combine", "contacts", "diffusion_coefficient", "dynamics", "explain",
+    "bond_orientation", "clusters", "combine", "contacts", "density_profile", "diffusion_coefficient", "dynamics", "explain",
     "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
     "separations", "spectral_density", "structure_factor", "sweep", "voronoi",
 ]

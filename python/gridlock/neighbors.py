@@ -80,6 +80,13 @@ def as_points(points: ArrayLike) -> NDArray[np.float64]:
     return as_numbers(array.reshape(-1, 2) if array.shape == (0,) else array, "the points", (None, 2), hint, finite=False)
 
 
+def as_radii(radius: ArrayLike, count: int) -> NDArray[np.float64]:
+    """The radius of each of ``count`` disks, from an array or from one radius for all."""
+    if np.ndim(radius) == 0:
+        return np.full(count, as_number(radius, "the radius"))
+    return as_numbers(radius, "the radii", (count,), "use an array of shape (N,): the radius of each disk")
+
+
 def as_neighbors(found: Any, count: int) -> Neighbors:
     """Neighbours of ``count`` points, whoever has found them."""
     hint = "use what neighbors() or voronoi() gives for the same points"
@@ -137,9 +144,7 @@ def pairs_of_disks(
            [1, 2]], dtype=uint32)
     """
     points = as_points(centers)
-    hint = "use an array of shape (N,): the radius of each disk"
-    one_for_all = np.ndim(radius) == 0
-    radii = np.full(len(points), as_number(radius, "the radius")) if one_for_all else as_numbers(radius, "the radii", (len(points),), hint)
+    radii = as_radii(radius, len(points))
     values = as_box(box)
     if values is None:
         raise Error("there is no box\n  hint: use Box(width, height, periodic=False) for disks in the open plane")

@@ -14,6 +14,7 @@
 #include "gridlock/analysis/dynamics.hpp"
 #include "gridlock/analysis/pair_correlation.hpp"
 #include "gridlock/analysis/voronoi.hpp"
+#include "gridlock/observe/clusters.hpp"
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock::python {
@@ -95,6 +96,16 @@ auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) 
                     owned_array(std::move(found.areas)));
 }
 
+/// Returns the number of the cluster of each of `count` agents, where agents i[k] and j[k] are in one.
+auto clusters(std::size_t count, Kinds const& i, Kinds const& j) {
+  std::vector<std::uint32_t> found;
+  {
+    nb::gil_scoped_release const released;
+    found = cluster_of_each(count, std::span(i.data(), i.shape(0)), std::span(j.data(), j.shape(0)));
+  }
+  return owned_array(std::move(found));
+}
+
 using ValuesOfRuns = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 /// Combines values and errors of shape (runs, points), where a missing error is NaN. Returns for every point: mean,
@@ -127,6 +138,7 @@ void bind_analysis(nb::module_& module) {
              nb::arg("threads"));
   module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
              nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
+  module.def("clusters", &clusters, nb::arg("count"), nb::arg("i"), nb::arg("j"));
   module.def("combine", &combine_runs, nb::arg("values"), nb::arg("errors"));
   module.def("voronoi", &voronoi, nb::arg("points"), nb::arg("box"), nb::arg("threads"));
 }

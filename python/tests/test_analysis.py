@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.sparse.csgraph
 import scipy.spatial
 
 import gridlock
@@ -155,3 +156,72 @@ def test_partial_structure_factors_add_up_to_that_of_all():
     assert np.allclose(np.einsum("ab,abk->k", weights, partial.s), whole.s, rtol=1e-12)
     own = gridlock.structure_factor(points[kinds == 1], 1.0, largest_q=40.0, bins=6)
     assert np.allclose(partial.s[1, 1], own.s) and np.allclose(partial.s[0, 1], partial.s[1, 0])
+
+
+def observed(settings, **observe):
+    """A run that takes one sample that counts, at its end, and its last state."""
+    simulation = gridlock.Simulation(**settings, observe={"every": 20, **observe})
+    simulation.equilibrate(steps=20)
+    simulation.run(steps=20)
+    return simulation
+
+
+SETTINGS = [
+    {"disks": {"count": 200, "packing_fraction": 0.4}, "box": OBLONG, "engine": {"kind": "exact"}},
+    {"disks": {"count": 150, "packing_fraction": 0.4, "species": [
+        {"fraction": 0.5, "size_ratio": 1.0}, {"fraction": 0.5, "size_ratio": 1.4}]}, "box": OBLONG | {"edge": "wall"}},
+]
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=["periodic", "mixture between walls"])
+def test_clusters_are_those_of_the_run_and_of_scipy(settings):
+    simulation = observed(settings, clusters_every=1, cluster_cutoff=1.15)
+    centers, radii = simulation.agents.positions, simulation.agents.radius
+    found = gridlock.clusters(centers, radii, simulation.box, cutoff=1.15)
+    pairs = gridlock.pairs_of_disks(centers, radii, simulation.box, factor=1.15)
+    graph = scipy.sparse.coo_array((np.ones(len(pairs)), pairs.T), shape=(len(centers), len(centers)))
+    count, labels = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    sizes = np.bincount(found)
+    assert len(sizes) == count and len(set(zip(found, labels))) == count
+    assert (np.diff(sizes) <= 0).all()
+    last = simulation.series[-1]
+    assert last["largest_cluster_fraction"] == sizes[0] / len(centers)
+    assert last["mean_cluster_size"] == len(centers) / len(sizes)
+    table = simulation.distributions["cluster_sizes"]
+    for row in table:
+        assert row["clusters"] == ((sizes >= row["size"]) & (sizes <= row["largest_size"])).sum()
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=["periodic", "mixture between walls"])
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_density_profile_is_that_of_the_run(settings, axis):
+    simulation = observed(settings, density_profile="both", density_profile_bins=13)
+    agents = simulation.agents
+    found = gridlock.density_profile(agents.positions, simulation.box, axis=axis, bins=13, radius=agents.radius)
+    table = simulation.distributions[f"density_profile_{axis}"]
+    assert np.allclose(found.position, table["position"], rtol=1e-14)
+    assert np.allclose(found.number_density, table["number_density"], rtol=1e-13)
+    assert np.allclose(found.packing_fraction, table["packing_fraction"], rtol=1e-10)
+    assert np.isclose(found.packing_fraction.mean(), (np.pi * agents.radius**2).sum() / simulation.box.area)
+    assert gridlock.density_profile(agents.positions, simulation.box, axis=axis, bins=13).packing_fraction is None
+
+
+def test_displacements_from_many_origins_are_those_of_every_frame():
+    simulation = gridlock.Simulation(
+        disks={"count": 64, "packing_fraction": 0.3}, box=OBLONG, engine={"kind": "exact"},
+        observe={"every": 5, "displacement_lag": 12, "displacement_origin_every": 1})
+    sides = np.array([OBLONG["width"], OBLONG["height"]])
+    places = []
+    for steps in [0] + 40 * [5]:
+        if steps > 0:
+            simulation.run(steps=steps)
+        images = np.stack([simulation.agents["image_x"], simulation.agents["image_y"]], axis=1)
+        places.append(simulation.agents.positions + sides * images)
+    table = simulation.distributions["mean_squared_displacement"]
+    first = len(places) - 1 - int(table["origins"][0])  # of the samples at the start, those that are no origin
+    assert first in (0, 1)
+    expected = gridlock.mean_squared_displacement(np.array(places[first:]))
+    assert len(table) == 12
+    assert np.allclose(table["mean_squared_displacement"], expected[1:13], rtol=1e-9)
+    coefficient = simulation.results["diffusion_coefficient"]
+    assert coefficient.value > 0 and coefficient.unit == "length² / time"
