@@ -20,6 +20,10 @@ const GROUPS: readonly { title: string; names: readonly string[] }[] = [
   { title: "Compressibility factor Z = PA / NkT", names: ["compressibility_factor", WALL_FACTOR] },
   { title: "Pressure", names: ["virial_pressure", "wall_pressure"] },
   { title: "Sixfold order |ψ6|", names: ["global_bond_orientation_order", "local_bond_orientation_order"] },
+  { title: "Share of disks in the largest cluster", names: ["largest_cluster_fraction"] },
+  { title: "Variance over mean of the local density", names: ["local_density_variance_ratio"] },
+  { title: "Temperature", names: ["temperature_x", "temperature_y"] },
+  { title: "Flux through the line", names: ["flux_forward", "flux_backward", "net_flux"] },
 ];
 const SHORT_NAMES: Readonly<Record<string, string>> = {
   compressibility_factor: "collisions",
@@ -28,6 +32,11 @@ const SHORT_NAMES: Readonly<Record<string, string>> = {
   wall_pressure: "walls",
   global_bond_orientation_order: "global",
   local_bond_orientation_order: "local",
+  temperature_x: "along x",
+  temperature_y: "along y",
+  flux_forward: "forward",
+  flux_backward: "backward",
+  net_flux: "net",
 };
 /** Columns of every run, in no chart until they are asked for. */
 const FURTHER = new Set([
@@ -49,7 +58,13 @@ const FURTHER = new Set([
   "wall_pressure_bottom",
   "wall_pressure_top",
   "velocity_autocorrelation",
+  "mean_cluster_size",
+  "local_density_mean",
+  "diffusion_coefficient",
+  "crossings_forward",
+  "crossings_backward",
 ]);
+const TEMPERATURE_OF_KIND = /^temperature_[xy]_kind_\d+$/; // as many columns as a mixture has kinds
 
 /** The charts that suit a run: quantities of a model that say the same of themselves share a chart, as counts of kinds and of events do. */
 export function chartsFor(measured: readonly QuantityColumn[]): ChartDescription[] {
@@ -57,7 +72,7 @@ export function chartsFor(measured: readonly QuantityColumn[]): ChartDescription
   const inGroups = new Set(GROUPS.flatMap((group) => group.names));
   const ofModel = new Map<string, QuantityColumn[]>();
   for (const column of columns) {
-    if (inGroups.has(column.name) || FURTHER.has(column.name)) continue;
+    if (inGroups.has(column.name) || FURTHER.has(column.name) || TEMPERATURE_OF_KIND.test(column.name)) continue;
     const key = `${column.documentation} ${column.unit}`;
     ofModel.set(key, [...(ofModel.get(key) ?? []), column]);
   }
