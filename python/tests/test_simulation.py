@@ -41,10 +41,15 @@ SCENES = {
     },
     "gas": {"disks": {"count": 100, "packing_fraction": 0.02}, "run.time": 10},
     "few": {"box.edge": "periodic", "disks": {"count": 4, "packing_fraction": 0.4}, "run.time": 20},
+    "obstacles": {
+        "box": {"edge": "periodic", "width": 1.3, "height": 0.8}, "run.time": 0.5,
+        "disks": {"count": 300, "packing_fraction": 0.4, "start": "random",
+                  "species": [{"fraction": 0.25, "size_ratio": 1.5, "fixed": True}, {"fraction": 0.75}]},
+    },
 }
 
 
-THERMOSTATS = {
+OF_EXACT = {
     "brownian": {
         "box": {"edge": "periodic", "width": 1.2}, "run.time": 0.5,
         "disks": {"count": 300, "packing_fraction": 0.4, "start": "random",
@@ -55,15 +60,29 @@ THERMOSTATS = {
         "box.width": 1.2, "disks": {"count": 300, "packing_fraction": 0.5, "start": "random"}, "run.time": 0.5,
         "thermostat": {"kind": "andersen", "temperature": 0.5, "rate": 20},
     },
+    "inelastic": {
+        "box": {"edge": "periodic", "width": 1.2}, "disks": {"count": 300, "packing_fraction": 0.5, "start": "random"}, "run.time": 0.5,
+        "collisions.restitution": 0.9,
+    },
+    "falling": {
+        "box.width": 1.2, "run.time": 0.5, "gravity": {"x": 0.3, "y": -2},
+        "disks": {"count": 300, "packing_fraction": 0.4, "start": "random",
+                  "species": [{"fraction": 0.5}, {"fraction": 0.5, "size_ratio": 1.4, "mass": 1.96}]},
+    },
+    "grains": {
+        "disks": {"count": 100, "packing_fraction": 0.2, "species": [{"fraction": 0.1, "fixed": True}, {"fraction": 0.9}]}, "run.time": 1,
+        "collisions": {"restitution": 0.8, "wall_restitution": 0.9, "contact_time": 1e-3}, "gravity.y": -1,
+        "walls": [{"from": [0.1, 0.3], "to": [0.5, 0.3]}, {"from": [0.8, 0.2], "to": [0.8, 0.7]}],
+    },
 }
 SCENES_OF_ENGINES = [(scene, engine) for scene in SCENES for engine in ("stepped", "tiled", "exact")]
 
 
-@pytest.mark.parametrize(("scene", "engine"), [*SCENES_OF_ENGINES, *((scene, "exact") for scene in THERMOSTATS)])
+@pytest.mark.parametrize(("scene", "engine"), [*SCENES_OF_ENGINES, *((scene, "exact") for scene in OF_EXACT)])
 def test_the_golden_hashes_are_those_of_the_table(root, scene, engine):
     with open(root / "tests/golden/hashes.csv", newline="") as file:
         row = next(row for row in csv.DictReader(file) if (row["scene"], row["engine"]) == (scene, engine))
-    simulation = gridlock.Simulation({**(SCENES | THERMOSTATS)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
+    simulation = gridlock.Simulation({**(SCENES | OF_EXACT)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
     assert simulation.state_hash == row["start"]
     for _ in range(3):
         simulation.run(steps=7)

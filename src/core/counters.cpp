@@ -14,6 +14,8 @@ void add(Counters& sum, Counters const& part) {
     sum.wall_hits[wall] += part.wall_hits[wall];
     sum.wall_impulse[wall] += part.wall_impulse[wall];
   }
+  sum.inner_wall_hits += part.inner_wall_hits;
+  sum.inner_wall_impulse += part.inner_wall_impulse;
   sum.pair_virial += part.pair_virial;
 }
 
@@ -26,6 +28,8 @@ void serialize(Archive& archive, Counters& counters) {
   std::vector<double> impulses(counters.wall_impulse.begin(), counters.wall_impulse.end());
   archive.visit("wall_hits", hits);
   archive.visit("wall_impulse", impulses);
+  archive.visit("inner_wall_hits", counters.inner_wall_hits);
+  archive.visit("inner_wall_impulse", counters.inner_wall_impulse);
   archive.visit("pair_virial", counters.pair_virial);
   archive.require(hits.size() == counters.wall_hits.size() && impulses.size() == counters.wall_impulse.size(),
                   "a box has four walls");

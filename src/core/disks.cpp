@@ -8,6 +8,12 @@
 
 namespace gridlock {
 
+std::size_t count_of_fixed(Disks const& disks) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < disks.size(); ++i) count += is_fixed(disks, i) ? 1U : 0U;
+  return count;
+}
+
 RadiusRange radius_range(Disks const& disks) {
   if (disks.empty()) return {};
   auto const [smallest, largest] = std::ranges::minmax(disks.column<Radius>());
@@ -36,7 +42,7 @@ double kinetic_energy(AgentsView const& agents) {
   auto const velocity_y = agents.column<VelocityY>();
   double twice = 0.0;
   for (std::size_t i = 0; i < agents.size(); ++i) {
-    twice += mass[i] * squared_length({velocity_x[i], velocity_y[i]});
+    if (!std::isinf(mass[i])) twice += mass[i] * squared_length({velocity_x[i], velocity_y[i]});
   }
   return 0.5 * twice;
 }
@@ -46,7 +52,9 @@ Vector momentum(AgentsView const& agents) {
   auto const velocity_x = agents.column<VelocityX>();
   auto const velocity_y = agents.column<VelocityY>();
   Vector sum;
-  for (std::size_t i = 0; i < agents.size(); ++i) sum = sum + mass[i] * Vector{velocity_x[i], velocity_y[i]};
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    if (!std::isinf(mass[i])) sum = sum + mass[i] * Vector{velocity_x[i], velocity_y[i]};
+  }
   return sum;
 }
 

@@ -1,6 +1,8 @@
 #include "core/temperature.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 
 namespace gridlock {
 
@@ -27,7 +29,9 @@ std::optional<double> periodic_temperature(std::size_t agents, double kinetic_en
 
 std::optional<double> temperature(Box const& box, AgentsView const& agents) {
   double const energy = kinetic_energy(agents);
-  if (!box.is_periodic()) return temperature_between_walls(agents.size(), energy);
+  auto const masses = agents.column<Mass>();
+  auto const fixed = static_cast<std::size_t>(std::ranges::count_if(masses, [](double m) { return std::isinf(m); }));
+  if (!box.is_periodic() || fixed > 0) return temperature_between_walls(agents.size() - fixed, energy);
   return periodic_temperature(agents.size(), energy, momentum(agents), total_mass(agents));
 }
 

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "core/magnitude.hpp"
 #include "exact.hpp"
@@ -61,11 +63,21 @@ EngineRecord const& engine_record(std::string_view kind) {
                .key = "engine.kind"});
 }
 
-void require_thermostat(EngineRecord const& engine, ThermostatSettings const& thermostat) {
-  if (engine.uses_thermostat || thermostat.kind == ThermostatKind::none) return;
-  throw Error({.what = fmt::format("the engine \"{}\" has no thermostat", engine.name),
-               .hint = "use engine.kind = \"exact\", or thermostat.kind = \"none\"",
-               .key = "thermostat.kind"});
+void require_known(EngineRecord const& engine, EngineSettings const& settings) {
+  auto const refuse = [&](std::string_view what, std::string_view without, std::string key) {
+    throw Error({.what = fmt::format("the engine \"{}\" has no {}", engine.name, what),
+                 .hint = fmt::format("use engine.kind = \"exact\", or {}", without),
+                 .key = std::move(key)});
+  };
+  if (!settings.walls.empty() && !engine.uses_walls) refuse("walls inside the box", "leave [[walls]] out", "walls");
+  if (engine.has_free_flight) return;
+  if (settings.thermostat.kind != ThermostatKind::none) {
+    refuse("thermostat", "thermostat.kind = \"none\"", "thermostat.kind");
+  }
+  if (settings.collisions.lose_energy()) {
+    refuse("collisions that lose energy", "collisions.restitution = 1", "collisions.restitution");
+  }
+  if (settings.gravity.exists()) refuse("gravity", "leave [gravity] out", "gravity");
 }
 
 std::vector<std::string> engine_kinds() {
@@ -76,7 +88,7 @@ std::vector<std::string> engine_kinds() {
 
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
-  require_thermostat(record, settings.thermostat);
+  require_known(record, settings);
   return record.make(settings, state);
 }
 

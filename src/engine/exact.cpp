@@ -60,7 +60,8 @@ void require_masses_of_like_size(State const& state) {
   double squared_speeds = 0.0;
   for (std::size_t i = 0; i < state.agents.size(); ++i) squared_speeds += squared_length(velocity(state.agents, i));
   double const lightest = *std::ranges::min_element(masses);
-  double const heaviest = *std::ranges::max_element(masses);
+  double heaviest = lightest;
+  for (double const mass : masses) heaviest = std::isfinite(mass) ? std::max(heaviest, mass) : heaviest;
   double const square_of_ratio = 2.0 * kinetic_energy(state.agents) / (lightest * squared_speeds);
   if (!(square_of_ratio > max_speed_ratio * max_speed_ratio)) return;
   throw Error(
@@ -71,7 +72,7 @@ void require_masses_of_like_size(State const& state) {
        .key = "disks.species"});
 }
 
-/// Returns the mean of 2 kT/m.
+/// Returns the mean of 2 kT/m; fixed disks add nothing.
 double thermal_speed_squared(State const& state, double temperature) {
   double sum = 0.0;  // in the order of the Ids
   for (std::uint32_t const row : rows_in_order(state.agents.ids())) sum += 1.0 / state.agents.column<Mass>()[row];
@@ -98,7 +99,8 @@ EngineRecord exact_record() {
           .documentation = "goes from collision to collision without a time step",
           .has_time_step = false,
           .uses_threads = true,
-          .uses_thermostat = true,
+          .has_free_flight = true,
+          .uses_walls = true,
           .bytes_per_disk = 340.0,
           .bytes_per_disk_of_threads = 310.0,
           .bytes_per_disk_of_checkpoint = 163.0,
@@ -118,16 +120,27 @@ ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
     : audit_every_(settings.audit_every),
       duration_(step_duration(settings, state)),
       thread_count_(settings.threads),
-      thermostat_settings_(resolved(settings.thermostat, state)) {
+      thermostat_settings_(resolved(settings.thermostat, state)),
+      losses_{.restitution = settings.collisions.restitution,
+              .wall_restitution = settings.collisions.of_walls(),
+              .contact_time = settings.collisions.contact_time},
+      gravity_(settings.gravity.acceleration()),
+      walls_(settings.walls) {
   require_exact_start(state);
+  require_room_beside_walls(state, walls_);
 }
 
 ExactEngine::~ExactEngine() = default;
 
-void ExactEngine::require_valid(State const& state) const { require_exact_start(state); }
+void ExactEngine::require_valid(State const& state) const {
+  require_exact_start(state);
+  require_room_beside_walls(state, walls_);
+}
 
 std::vector<Count> ExactEngine::counts(State const& state, Counters const& counters) const {
   std::vector<Count> counts = Engine::counts(state, counters);
+  if (!walls_.empty()) counts.push_back({"inner_wall_hits", counters.inner_wall_hits});
+  if (losses_.contact_time > 0.0) counts.push_back({"elastic_contacts", elastic_contacts()});
   std::ranges::move(audits(), std::back_inserter(counts));
   return counts;
 }
@@ -140,8 +153,9 @@ std::vector<Count> ExactEngine::audits() const {
 bool ExactEngine::is_as_left(State const& state) const { return dynamics_ != nullptr && left_.is(state); }
 
 void ExactEngine::start_from(State& state) {
-  require_exact_start(state);
+  require_valid(state);
   earlier_audits_ = made_audits();
+  earlier_contacts_ = elastic_contacts();
   if (thermostat_settings_.kind != ThermostatKind::none) {
     thermostat_.emplace(thermostat_settings_, state.seed);
     thermostat_->start_from(state);
@@ -159,7 +173,9 @@ void ExactEngine::make_dynamics(State const& state) {
   if (threads_ == nullptr && can_share && state.agents.size() >= min_disks_to_share) {
     threads_ = std::make_unique<ThreadPool>(thread_count_);
   }
-  exact::DynamicsOptions options{.sharing = {.threads = threads_.get()}};
+  std::vector<Obstacle> const walls = obstacles_of(walls_);
+  exact::DynamicsOptions options{
+      .sharing = {.threads = threads_.get()}, .gravity = gravity_, .losses = losses_, .walls = walls};
   if (thermostat_) options.thermal_speed_squared = thermal_speed_squared(state, *thermostat_settings_.temperature);
   dynamics_ = std::make_unique<exact::Dynamics>(state, options);
 }
@@ -231,6 +247,10 @@ std::uint64_t ExactEngine::made_audits() const {
   return earlier_audits_ + (dynamics_ == nullptr ? 0 : dynamics_->audits());
 }
 
+std::uint64_t ExactEngine::elastic_contacts() const {
+  return earlier_contacts_ + (dynamics_ == nullptr ? 0 : dynamics_->elastic_contacts());
+}
+
 std::uint64_t ExactEngine::audits_for_missed_events() const {
   return dynamics_ != nullptr && dynamics_->looks_for_missed_events() ? made_audits() : 0;
 }
@@ -259,6 +279,11 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
     std::uint64_t all_audits = made_audits();
     archive.visit("audits", all_audits);
     if (archive.is_restoring()) earlier_audits_ = all_audits;
+  }
+  if (losses_.contact_time > 0.0) {
+    std::uint64_t all_contacts = elastic_contacts();
+    archive.visit("elastic_contacts", all_contacts);
+    if (archive.is_restoring()) earlier_contacts_ = all_contacts;
   }
   archive.visit("start_time", start_time_);
   archive.visit("next_step_time", next_step_time_);

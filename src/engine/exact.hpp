@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "engine/exact/left_state.hpp"
+#include "engine/exact/losses.hpp"
 #include "engine/exact/thermostat.hpp"
 #include "gridlock/engine/engine.hpp"
 
@@ -52,6 +54,8 @@ class ExactEngine final : public Engine {
   [[nodiscard]] std::uint64_t made_audits() const;
   /// The number of audits that looked for missed events, not only for overlaps.
   [[nodiscard]] std::uint64_t audits_for_missed_events() const;
+  /// The number of collisions that lost nothing because of CollisionSettings::contact_time.
+  [[nodiscard]] std::uint64_t elastic_contacts() const;
 
  private:
   [[nodiscard]] bool is_as_left(State const& state) const;
@@ -68,7 +72,11 @@ class ExactEngine final : public Engine {
   std::uint64_t earlier_audits_ = 0;  // audits of dynamics that have been replaced
   double duration_;
   std::uint64_t thread_count_;
-  ThermostatSettings thermostat_settings_;     // resolved
+  ThermostatSettings thermostat_settings_;  // resolved
+  exact::Losses losses_;
+  Vector gravity_;
+  std::vector<WallSettings> walls_;
+  std::uint64_t earlier_contacts_ = 0;         // elastic contacts of dynamics that have been replaced
   std::unique_ptr<ThreadPool> threads_;        // nullptr while there are too few disks for threads
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
   std::optional<exact::Thermostat> thermostat_;

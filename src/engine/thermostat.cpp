@@ -20,8 +20,13 @@ constexpr std::array<std::string_view, 3> kinds{"none", "andersen", "brownian"};
 
 double mean_mass(Disks const& disks) {
   double sum = 0.0;
-  for (double const mass : disks.column<Mass>()) sum += mass;
-  return sum / static_cast<double>(disks.size());
+  std::size_t moving = 0;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    if (is_fixed(disks, i)) continue;
+    sum += disks.column<Mass>()[i];
+    ++moving;
+  }
+  return sum / static_cast<double>(moving);
 }
 
 /// Kicks that come so often that disks do not move between them would never end. `speed` is in diameters per time.
@@ -84,7 +89,13 @@ ThermostatSettings resolved(ThermostatSettings const& settings, State const& sta
   Disks const& disks = state.agents;
   ThermostatSettings full = settings;
   if (settings.kind == ThermostatKind::none || disks.empty()) return full;
-  if (!full.temperature) full.temperature = kinetic_energy(disks) / static_cast<double>(disks.size());
+  std::size_t const moving = disks.size() - count_of_fixed(disks);
+  if (moving == 0) {
+    throw Error({.what = "all disks are fixed, so the thermostat has nothing to move",
+                 .hint = "let some species move, or leave [thermostat] out",
+                 .key = "thermostat.kind"});
+  }
+  if (!full.temperature) full.temperature = kinetic_energy(disks) / static_cast<double>(moving);
   if (!(*full.temperature > 0.0)) {
     throw Error({.what = "the disks rest at the start, so the temperature of the thermostat is not known",
                  .hint = "give thermostat.temperature, or velocities.max above 0",

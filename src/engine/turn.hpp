@@ -11,7 +11,8 @@
 
 namespace gridlock {
 
-/// A copy of one disk for the loop over moves; it fills one cache line.
+/// A copy of one disk for the loop over moves; it fills one cache line. A fixed disk, of infinite mass, never moves: it
+/// takes its turns at rest, and others halt at it.
 struct alignas(64) DiskInTurn {
   Vector position;
   Vector velocity;
@@ -86,6 +87,14 @@ inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& 
   return is_hit;
 }
 
+/// Reflects a disk from a fixed one at the distance b, as from a disk of infinite mass.
+[[gnu::cold]] inline void reflect_from_fixed(DiskInTurn& self, Vector b, double approach, Counters& counters) {
+  Vector const change = (-2.0 * approach / squared_length(b)) * b;
+  self.velocity = self.velocity + change;
+  ++counters.pair_collisions;
+  counters.pair_virial -= self.mass * dot(b, change);
+}
+
 /// Applies the elastic rule along b = r_j − r_i at the present positions:
 ///     Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b,   Δv_j = +(2 m_i / (m_i + m_j)) (w·b / b²) b,   w = v_i − v_j,
 /// It reverses the normal part of the relative velocity in the centre-of-mass frame and keeps momentum and energy.
@@ -97,6 +106,8 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
   double const approach = dot(w, b);
   if (view.contact == CollisionRule::approaching && !(approach > 0.0)) return;
   double const total_mass = self.mass + other.mass;
+  if (std::isinf(total_mass)) [[unlikely]]
+    return reflect_from_fixed(self, b, approach, counters);
   double const along = 2.0 * approach / (total_mass * squared_length(b));
   Vector const change_self = (-other.mass * along) * b;
   Vector const change_other = (self.mass * along) * b;

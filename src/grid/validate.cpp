@@ -112,7 +112,8 @@ RowProblems::RowProblems(State const& some, double beyond_walls) {
     Vector const v = velocity(disks, i);
     double const r = disks.column<Radius>()[i];
     double const m = disks.column<Mass>()[i];
-    if (!std::isfinite(p.x + p.y + v.x + v.y) || !is_positive(r) || !is_positive(m)) {
+    bool const is_at_rest = is_fixed(disks, i) && v == Vector{};
+    if (!std::isfinite(p.x + p.y + v.x + v.y) || !is_positive(r) || !(is_positive(m) || is_at_rest)) {
       not_finite_.add(text_of_broken(disks, i));
       continue;
     }
@@ -122,7 +123,7 @@ RowProblems::RowProblems(State const& some, double beyond_walls) {
     }
     // Components are compared, because the square of a speed may be out of range.
     largest_speed_ = std::max({largest_speed_, std::abs(v.x), std::abs(v.y)});
-    if (has_bounded_magnitude(r) && has_bounded_magnitude(m)) continue;
+    if (has_bounded_magnitude(r) && (has_bounded_magnitude(m) || is_at_rest)) continue;
     extreme_.add(
         fmt::format("disk {} has radius {} and mass {}, too large or too small to compute with", disks.ids()[i], r, m));
   }

@@ -261,7 +261,8 @@ void Reader::take(Word const& word, Role role, Row& row) const {
       row.radius = 0.5 * positive(word, role);
       break;
     case Role::mass:
-      row.mass = positive(word, role);
+      // A fixed disk has an infinite mass.
+      row.mass = word.text == "inf" ? std::numeric_limits<double>::infinity() : positive(word, role);
       break;
     case Role::image_x:
       row.image_x = image(word, role);

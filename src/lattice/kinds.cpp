@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -88,7 +89,9 @@ void Kinds::put_in_order(DisksSettings const& settings) {
   std::vector<std::uint64_t> const numbers = numbers_of_kinds(settings.species, count_);
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     size_ratios_.insert(size_ratios_.end(), numbers[k], settings.species[k].size_ratio);
-    masses_.insert(masses_.end(), numbers[k], settings.species[k].mass);
+    SpeciesSettings const& kind = settings.species[k];
+    double const mass = kind.fixed ? std::numeric_limits<double>::infinity() : kind.mass;
+    masses_.insert(masses_.end(), numbers[k], mass);
   }
 }
 

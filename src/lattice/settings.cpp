@@ -60,6 +60,9 @@ void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
        .min = min_magnitude,
        .max = max_magnitude},
       settings.mass);
+  visitor.visit(
+      {.key = "fixed", .documentation = "Whether disks of this kind never move, as obstacles for the others."},
+      settings.fixed);
 }
 
 void describe(DisksSettings& settings, SettingVisitor& visitor) {

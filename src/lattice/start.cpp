@@ -356,7 +356,9 @@ void draw_velocities(State& state, VelocitySettings const& settings, AllProcesse
   for (std::size_t i = 0; i < state.agents.size(); ++i) {
     RandomStream random(state.seed, 0, state.agents.ids()[i], Purpose::start_velocity);
     Vector v;
-    if (settings.kind == VelocityKind::uniform) {
+    if (is_fixed(state.agents, i)) {
+      v = {};
+    } else if (settings.kind == VelocityKind::uniform) {
       v = settings.max * random.in_unit_disk();
     } else {
       double const thermal_speed = 0.5 * settings.max / std::sqrt(state.agents.column<Mass>()[i]);
@@ -369,6 +371,7 @@ void draw_velocities(State& state, VelocitySettings const& settings, AllProcesse
   bool const is_automatic =
       settings.drift == Drift::automatic && state.box.is_periodic() && processes.sum(state.agents.size()) > 1;
   if (settings.drift != Drift::remove && !is_automatic) return;
+  if (processes.sum(count_of_fixed(state.agents)) > 0) return;  // fixed disks stop the drift
   auto const sums = processes.change_in_order(DriftSums{}, [&](DriftSums& so_far) {
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       double const m = state.agents.column<Mass>()[i];

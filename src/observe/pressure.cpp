@@ -56,7 +56,7 @@ void Pressure::sample(Snapshot const& now, std::span<double> row, bool counts_fo
     if (counts_for_average) average(column, value, weight);
   };
   if (auto const kt = measured_temperature(now)) {
-    double const thermal = static_cast<double>(now.count()) * *kt;
+    double const thermal = static_cast<double>(count_of_moving(now)) * *kt;
     set(virial_column, (thermal + 0.5 * virial / duration) / box.area(), duration);
     if (thermal > 0.0) set(compressibility_column, 1.0 + 0.5 * virial / (thermal * duration), thermal * duration);
   }

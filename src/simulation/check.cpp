@@ -47,6 +47,11 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
                         .hint = "set model.kind = \"disks\", or take [[protocol]] out",
                         .key = "protocol"});
   }
+  if (!configuration.engine.walls.empty() && model != "disks") {
+    problems.push_back({.what = fmt::format("agents of the model \"{}\" know no walls inside the box", model),
+                        .hint = "set model.kind = \"disks\", or take [[walls]] out",
+                        .key = "walls"});
+  }
   for (std::size_t k = 0; k < configuration.protocol.size(); ++k) {
     std::string const table = fmt::format("protocol[{}]", k);
     if (!is_given(table) || is_given(table + ".stage")) continue;

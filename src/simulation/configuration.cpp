@@ -121,6 +121,14 @@ void describe(Configuration& configuration, SettingVisitor& visitor) {
     }
   }
   visitor.visit_tables(
+      {.key = "walls",
+       .documentation =
+           "Walls inside the box, for hard disks of the engine exact: lines of which disks meet both sides "
+           "and both ends.",
+       .default_note = "none"},
+      configuration.engine.walls.size(), [&](std::size_t count) { configuration.engine.walls.resize(count); },
+      [&](std::size_t k, SettingVisitor& inner) { describe(configuration.engine.walls[k], inner); });
+  visitor.visit_tables(
       {.key = "protocol",
        .documentation = "What happens to the disks before the run, stage by stage; with a protocol, the run has no "
                         "length unless [run] "

@@ -120,10 +120,11 @@ std::string unused_of_thermostat(ThermostatKind kind, std::string_view key) {
 /// The motion of a free disk of the mean mass, in diameters of the smallest.
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
   if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
+  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
+  std::erase_if(masses, [](double m) { return std::isinf(m); });  // fixed disks
   double mass = 0.0;
-  for (double const of_disk : disks.column<Mass>()) mass += of_disk / static_cast<double>(disks.size());
-  bool const are_unlike =
-      std::ranges::any_of(disks.column<Mass>(), [&](double m) { return m != disks.column<Mass>()[0]; });
+  for (double const of_disk : masses) mass += of_disk / static_cast<double>(masses.size());
+  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return m != masses[0]; });
   BrownianScales const scales = brownian_scales(settings, mass, 2.0 * radius_range(disks).smallest);
   return Event{.kind = EventKind::thermostat,
                .key = "thermostat.interval",
@@ -213,6 +214,10 @@ class DisksKind final : public ModelKind {
              [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }},
             {"thermostat", "Whether the disks of the engine exact exchange energy with a bath, as colloids do.",
              [&](SettingVisitor& visitor) { describe(configuration.engine.thermostat, visitor); }},
+            {"collisions", "Whether collisions of the engine exact lose energy, as those of grains do.",
+             [&](SettingVisitor& visitor) { describe(configuration.engine.collisions, visitor); }},
+            {"gravity", "Whether the disks of the engine exact fall.",
+             [&](SettingVisitor& visitor) { describe(configuration.engine.gravity, visitor); }},
             {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
              [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
   }
@@ -269,7 +274,7 @@ class DisksKind final : public ModelKind {
   }
 
   void check(Configuration const& configuration) const override {
-    require_thermostat(engine_record(configuration.engine.kind), configuration.engine.thermostat);
+    require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_valid(configuration.protocol);
     require_no_overlaps_in_run(configuration);
   }
@@ -296,6 +301,12 @@ std::unique_ptr<EngineFor<HardDisks>> patient(std::unique_ptr<Engine> engine, Ru
 /// Returns a simulation that a protocol prepares. Its time step in units of the diameter is that of the start.
 std::unique_ptr<Simulation> prepared_simulation(Configuration const& configuration, EngineSettings const& settings,
                                                 State state) {
+  if (count_of_fixed(state.agents) > 0) {
+    throw Error({.what = fmt::format("{} disks are fixed, and the stages of a protocol move and change all disks",
+                                     count_of_fixed(state.agents)),
+                 .hint = "take [[protocol]] out, or let all species move",
+                 .key = "protocol"});
+  }
   double const duration = step_duration(settings, state);
   ProtocolSettings const protocol{.stages = configuration.protocol,
                                   .soft = configuration.soft,

@@ -20,23 +20,20 @@ constexpr std::string_view constant_area =
     "the area of a run is constant; a stage of a [[protocol]] may end at a pressure";
 constexpr std::string_view no_shear = "it says whether a packing is stable against shear, but cannot shear it";
 constexpr std::string_view no_forces = "hard disks fly freely between collisions";
-constexpr std::string_view smooth = "disks are smooth and elastic";
+constexpr std::string_view smooth = "disks are smooth: a collision changes the normal part of the velocity alone";
 
 /// Words for missing features; docs/explanation/limits.md explains each of them.
-constexpr std::array<Lacking, 14> all_lacking{{
+constexpr std::array<Lacking, 11> all_lacking{{
     {"langevin", "the thermostats of the engine exact are \"andersen\" and \"brownian\""},
     {"barostat", constant_area},
     {"pressure", constant_area},
     {"npt", constant_area},
     {"tilt", "the box is a rectangle"},
-    {"obstacles", "the box is a rectangle, with walls or periodic edges on all four sides"},
     {"shear", no_shear},
     {"strain", no_shear},
-    {"gravity", no_forces},
     {"forces", no_forces},
     {"field", no_forces},
     {"friction", smooth},
-    {"restitution", smooth},
     {"gpu", "it computes on the cores of a processor"},
 }};
 

@@ -71,7 +71,7 @@ std::vector<Row> rows() {
   for (Scene const& scene : scenes()) {
     for (std::string const& engine : engine_kinds()) all.push_back({scene, engine});
   }
-  for (Scene const& scene : golden::scenes_with_thermostat()) all.push_back({scene, "exact"});
+  for (Scene const& scene : golden::scenes_of_exact()) all.push_back({scene, "exact"});
   return all;
 }
 

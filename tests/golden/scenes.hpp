@@ -58,11 +58,18 @@ inline std::vector<Scene> scenes() {
                  .start = StartKind::random,
                  .species = {{.fraction = 0.9}, {.fraction = 0.1, .size_ratio = 4.0, .mass = 16.0}}},
        .time = 0.05},
+      {.name = "obstacles",
+       .box = Box(1.3, 0.8, Edge::periodic),
+       .disks = {.count = 300,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.25, .size_ratio = 1.5, .fixed = true}, {.fraction = 0.75}}},
+       .time = 0.5},
   };
 }
 
-/// Scenes with a thermostat, which the engine exact alone has.
-inline std::vector<Scene> scenes_with_thermostat() {
+/// Scenes of what the engine exact alone has: thermostats and grains.
+inline std::vector<Scene> scenes_of_exact() {
   ThermostatSettings const brownian{.kind = ThermostatKind::brownian, .temperature = 0.5, .interval = 0.004};
   return {
       {.name = "brownian",
@@ -84,6 +91,27 @@ inline std::vector<Scene> scenes_with_thermostat() {
        .disks = {.count = 300, .packing_fraction = 0.5, .start = StartKind::random},
        .engine = {.thermostat = {.kind = ThermostatKind::andersen, .temperature = 0.5, .rate = 20.0}},
        .time = 0.5},
+      {.name = "inelastic",
+       .box = Box(1.2, 1.0, Edge::periodic),
+       .disks = {.count = 300, .packing_fraction = 0.5, .start = StartKind::random},
+       .engine = {.collisions = {.restitution = 0.9}},
+       .time = 0.5},
+      {.name = "falling",
+       .box = Box(1.2, 1.0, Edge::wall),
+       .disks = {.count = 300,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
+       .engine = {.gravity = {.x = 0.3, .y = -2.0}},
+       .time = 0.5},
+      {.name = "grains",
+       .box = Box(1.0, 1.0, Edge::wall),
+       .disks = {.count = 100,
+                 .packing_fraction = 0.2,
+                 .species = {{.fraction = 0.1, .fixed = true}, {.fraction = 0.9}}},
+       .engine = {.collisions = {.restitution = 0.8, .wall_restitution = 0.9, .contact_time = 1e-3},
+                  .gravity = {.y = -1.0},
+                  .walls = {{.from = {0.1, 0.3}, .to = {0.5, 0.3}}, {.from = {0.8, 0.2}, .to = {0.8, 0.7}}}}},
   };
 }
 

@@ -23,11 +23,13 @@ struct Counters {
 
   std::uint64_t moves = 0;            ///< moves tried (stepped) or disk events handled (exact)
   std::uint64_t halted_moves = 0;     ///< moves that ended at a wall or at another disk
-  std::uint64_t pair_collisions = 0;  ///< pairs that collided
+  std::uint64_t pair_collisions = 0;  ///< pairs that collided; one of the two may be fixed
   /// Pairs of disks whose distance was measured; their number depends on the grid, not on the physics.
   std::uint64_t distance_checks = 0;
   std::array<std::uint64_t, 4> wall_hits{};
   std::array<double, 4> wall_impulse{};  ///< Σ |Δp| that disks gave to each wall
+  std::uint64_t inner_wall_hits = 0;     ///< hits of walls inside the box
+  double inner_wall_impulse = 0.0;       ///< Σ |Δp| that disks gave to these walls
   /// Σ over pairs that collided of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
   double pair_virial = 0.0;
 

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "gridlock/core/agents_view.hpp"
@@ -41,6 +42,7 @@ struct Radius {
   using type = double;
   static constexpr char const* name = "radius";
 };
+/// Infinite for a disk that is fixed.
 struct Mass {
   using type = double;
   static constexpr char const* name = "mass";
@@ -66,6 +68,14 @@ inline Vector velocity(Disks const& disks, std::size_t i) {
   return {disks.column<VelocityX>()[i], disks.column<VelocityY>()[i]};
 }
 
+/// Returns whether a disk never moves: its mass is infinite, and its velocity 0.
+inline bool is_fixed(Disks const& disks, std::size_t i) {
+  return disks.column<Mass>()[i] == std::numeric_limits<double>::infinity();
+}
+
+/// Returns the number of disks that are fixed.
+std::size_t count_of_fixed(Disks const& disks);
+
 /// The smallest and the largest radius; 0 for no disks.
 struct RadiusRange {
   double smallest = 0.0;
@@ -80,10 +90,11 @@ double largest_contact_distance(std::span<double const> radii);
 /// Returns the largest speed of a disk; 0 for no disks.
 double largest_speed(Disks const& disks);
 
-/// Returns ½ Σ m v², in (mass unit)·(length unit / time unit)². Contract: the agents have a mass and a velocity.
+/// Returns ½ Σ m v² of the disks that move, in (mass unit)·(length unit / time unit)². Contract: the agents have a mass
+/// and a velocity.
 double kinetic_energy(AgentsView const& agents);
 
-/// Returns Σ m v. Contract: the agents have a mass and a velocity.
+/// Returns Σ m v of the disks that move. Contract: the agents have a mass and a velocity.
 Vector momentum(AgentsView const& agents);
 
 /// Returns Σ π R², the area that the agents cover. Contract: the agents have a radius.

@@ -28,6 +28,7 @@
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/engine/grains.hpp"
 #include "gridlock/engine/thermostat.hpp"
 #include "gridlock/parallel/detail/all_processes.hpp"
 
@@ -111,9 +112,12 @@ struct EngineSettings {
   CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< exact: pair collisions between two audits; 0: never
   GridKind grid = GridKind::packed;
-  std::uint64_t threads = 0;           ///< exact and tiled: number of threads; 0: one for each core
-  ThermostatSettings thermostat = {};  ///< exact: the settings `[thermostat]`
-  AllProcesses processes = {};         ///< tiled: processes that share the run; not set by a file
+  std::uint64_t threads = 0;             ///< exact and tiled: number of threads; 0: one for each core
+  ThermostatSettings thermostat = {};    ///< exact: the settings `[thermostat]`
+  CollisionSettings collisions = {};     ///< exact: the settings `[collisions]`
+  GravitySettings gravity = {};          ///< exact: the settings `[gravity]`
+  std::vector<WallSettings> walls = {};  ///< the walls inside the box, `[[walls]]`
+  AllProcesses processes = {};           ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 /// Describes only the threads, the only setting of `[engine]` that models other than hard disks use.
@@ -136,7 +140,8 @@ struct EngineRecord {
   bool has_time_step = true;       ///< false: it is event-driven, and a run can end within a step
   bool uses_threads = false;
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
-  bool uses_thermostat = false;               ///< whether it uses EngineSettings::thermostat
+  bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
+  bool uses_walls = false;                    ///< whether it uses EngineSettings::walls
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint
@@ -156,8 +161,8 @@ std::span<EngineRecord const> engine_records();
 /// Returns the record of the engine named `kind`. Errors: Error for the setting "engine.kind" if there is none.
 EngineRecord const& engine_record(std::string_view kind);
 
-/// Errors: Error under "thermostat.kind" for a thermostat that the engine does not know.
-void require_thermostat(EngineRecord const& engine, ThermostatSettings const& thermostat);
+/// Errors: Error for a thermostat, a loss of energy, gravity or walls that the engine does not know.
+void require_known(EngineRecord const& engine, EngineSettings const& settings);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error with the setting for an unknown kind, or for a set-up that the engine cannot advance correctly.

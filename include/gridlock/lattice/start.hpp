@@ -39,6 +39,7 @@ struct SpeciesSettings {
   double fraction = 1.0;    ///< share of the disks; the shares of all species add up to 1
   double size_ratio = 1.0;  ///< radius in units of disks.radius
   double mass = 1.0;
+  bool fixed = false;  ///< these disks never move: their mass is infinite
 };
 void describe(SpeciesSettings& settings, SettingVisitor& visitor);
 
@@ -134,7 +135,7 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 /// uniform: v = v_max u, u uniform in the unit disk, so ⟨v²⟩ = v_max²/2 and the mean speed is 2 v_max/3;
 /// maxwell: each component normal with variance kT/m, kT = v_max²/4 in units of mass 1.
 /// Removing the drift subtracts Σ m v / Σ m from every velocity; automatic does so for two disks or more in a periodic
-/// box, where nothing else stops the drift.
+/// box without fixed disks, where nothing else stops the drift. Fixed disks get no velocity.
 /// All processes that share the disks call it; `state` has the disks of this process, in the order of the Ids.
 /// Errors: Error for kind = file, since no file is given, and for a largest speed below 10⁻⁶⁰ that is not 0.
 void draw_velocities(State& state, VelocitySettings const& settings, AllProcesses processes = {});

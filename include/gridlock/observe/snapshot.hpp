@@ -45,6 +45,7 @@ namespace gridlock {
 struct MeasuredMotion {
   double kinetic_energy = 0.0;
   std::optional<double> temperature;
+  std::size_t moving = 0;  ///< number of agents that are not fixed
 };
 
 /// Two agents nearer than a cutoff.

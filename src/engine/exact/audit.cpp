@@ -61,12 +61,25 @@ void Dynamics::audit_overlaps() const {
         if (j != no_disk && j < i) require_gap(j, i);
       }
     });
+    audit_obstacles(i);
     if (box_.is_periodic()) continue;
     auto const [x, y] = position_at(i, now_);
     double const r = radius_of(i) * scale();
     double const gap = std::min({x - r, box_.width() - r - x, y - r, box_.height() - r - y});
     if (gap >= -tolerance * 2.0 * r) continue;
     throw RunFailure(fmt::format("time {}: disk {} is {:.3g} outside the box", last_event(), id_of(i), -gap));
+  }
+}
+
+void Dynamics::audit_obstacles(Index i) const {
+  Vector const p = position_at(i, now_);
+  for (std::size_t k = 0; k < all_obstacles_.size(); ++k) {
+    Obstacle const& obstacle = all_obstacles_[k];
+    double const contact = radius_of(i) + obstacle.radius;
+    double const gap = std::sqrt(squared_length(p - obstacle.nearest_to(p))) - contact;
+    if (gap >= -tolerance * 2.0 * contact) continue;
+    throw RunFailure(
+        fmt::format("time {}: disk {} overlaps {} by {:.3g}", last_event(), id_of(i), to_text(obstacle), -gap));
   }
 }
 

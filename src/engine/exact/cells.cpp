@@ -92,8 +92,8 @@ std::size_t Flight::class_of(Index i) const {
 Cell Flight::cell_of(Index i, double time) const {
   SlotGrid const& grid = size_classes_[class_of(i)].grid;
   if (has_lists()) return grid.cell_of_image({lists_.places[i].x, lists_.places[i].y});
-  MovingDisk const& disk = disks_[i];
-  return {grid.column_of(disk.x + disk.velocity_x * time), grid.row_of(disk.y + disk.velocity_y * time)};
+  auto const [x, y] = position_at(i, time);
+  return {grid.column_of(x), grid.row_of(y)};
 }
 
 /// The distance within which two disks without lists touch; infinite for growing disks, whose cells have no margins.

@@ -30,19 +30,17 @@ constexpr double max_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;
 constexpr double min_diameters_in_epoch = 2.0;
 
-bool are_all_equal(std::span<double const> values) {
-  return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
-}
-
 }  // namespace
 
 Dynamics::Dynamics(State const& state, DynamicsOptions const& options)
     : Flight(state.box), thermal_speed_squared_(options.thermal_speed_squared), sharing_(options.sharing) {
-  size_ = state.agents.size();
-  disks_in_box_ = size_;
+  gravity_ = options.gravity;
+  losses_ = options.losses;
   size_of_cells_ = options.size_of_cells;
   lists_.wish = options.lists;
   read_disks(state);
+  read_obstacles(state, options.walls);
+  if (losses_.contact_time > 0.0) last_contact_.resize(size_, -never);
   if (options.rate != 0.0) start_growing(options.rate);
   choose_epoch();
   renew_lists(0.0);
@@ -62,11 +60,15 @@ void Dynamics::read_disks(State const& state) {
   std::vector<std::uint32_t> rows = rows_in_order(disks.ids());
   auto const radius = disks.column<Radius>();
   auto const mass = disks.column<Mass>();
+  std::erase_if(rows, [&](std::uint32_t row) { return is_fixed(disks, row); });
+  size_ = rows.size();
+  disks_in_box_ = size_;
   if (size_ > 0) {
-    equal_radius_ = radius.front();
-    equal_mass_ = mass.front();
+    equal_radius_ = radius[rows.front()];
+    equal_mass_ = mass[rows.front()];
   }
-  bool const is_mixture = size_ > 0 && !(are_all_equal(radius) && are_all_equal(mass));
+  bool const is_mixture = std::ranges::any_of(
+      rows, [&](std::uint32_t row) { return radius[row] != equal_radius_ || mass[row] != equal_mass_; });
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
   double mean_mass = 0.0;  // summed in the order of the Ids
@@ -94,8 +96,9 @@ void Dynamics::read_disks(State const& state) {
     mean_mass += mass[row] / static_cast<double>(size_);
   }
   if (size_ > 0) {
-    smallest_radius_ = radius_range(disks).smallest;
-    largest_radius_ = radius_range(disks).largest;
+    auto const radius_of_row = [&](std::uint32_t row) { return radius[row]; };
+    smallest_radius_ = radius[std::ranges::min(rows, {}, radius_of_row)];
+    largest_radius_ = radius[std::ranges::max(rows, {}, radius_of_row)];
     double const speed_of_lightest = std::sqrt(mean_mass / *std::ranges::min_element(mass));
     double const distance = std::sqrt(box_.area() / static_cast<double>(size_)) / (2.0 * largest_radius_);
     double const diameters = std::max(max_diameters_in_epoch, max_distances_in_epoch * distance) *
@@ -107,7 +110,18 @@ void Dynamics::read_disks(State const& state) {
   if (size_ > 0 && disks.ids()[rows.back()] != size_ - 1) {
     for (std::uint32_t const row : rows) ids_.push_back(disks.ids()[row]);
   }
-  if (!std::ranges::is_sorted(rows)) row_of_ = std::move(rows);
+  if (size_ < disks.size() || !std::ranges::is_sorted(rows)) row_of_ = std::move(rows);
+}
+
+void Dynamics::read_obstacles(State const& state, std::span<Obstacle const> walls) {
+  std::vector<Obstacle> obstacles(walls.begin(), walls.end());
+  Disks const& disks = state.agents;
+  for (std::uint32_t const row : rows_in_order(disks.ids())) {
+    Vector const p = position(disks, row);
+    if (is_fixed(disks, row)) obstacles.push_back({.from = p, .to = p, .radius = disks.column<Radius>()[row]});
+  }
+  all_obstacles_ = Obstacles(box_, obstacles, largest_radius_);
+  if (!all_obstacles_.empty()) obstacles_ = &all_obstacles_;
 }
 
 /// Returns the longest epoch allowed. It depends on the motion alone, summed in the order of the Ids.
@@ -116,10 +130,12 @@ double Dynamics::longest_epoch() const {
   for (Index const i : disks_by_id_index()) {
     squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
   }
-  // Kicks make disks that happen to be slow as fast as others.
-  squared_speeds = std::max(squared_speeds, thermal_speed_squared_ * static_cast<double>(size_));
-  if (!(squared_speeds > 0.0)) return 0.0;
+  // Kicks make disks that happen to be slow as fast as others, and so does a fall through a diameter.
   double const diameter = 2.0 * largest_radius_ * growth_.scale.at_zero;
+  double const squared_speed_of_fall = 2.0 * std::sqrt(squared_length(gravity_)) * diameter;
+  double const least = std::max(thermal_speed_squared_, squared_speed_of_fall);
+  squared_speeds = std::max(squared_speeds, least * static_cast<double>(size_));
+  if (!(squared_speeds > 0.0)) return 0.0;
   double const crossing = diameter / std::sqrt(squared_speeds / static_cast<double>(size_));
   return power_of_two_below((is_growing() ? 2.0 : diameters_in_epoch_) * crossing);
 }
@@ -143,6 +159,12 @@ struct Observer {
     auto const wall = static_cast<std::size_t>(side);
     ++counters.wall_hits[wall];
     counters.wall_impulse[wall] += impulse;
+  }
+  void obstacle_hit(Index /*i*/, Obstacle const& obstacle, ImpactOnObstacle const& impact) {
+    std::uint64_t& number = obstacle.is_disk() ? counters.pair_collisions : counters.inner_wall_hits;
+    double& amount = obstacle.is_disk() ? counters.pair_virial : counters.inner_wall_impulse;
+    ++number;
+    amount += impact.amount_for(obstacle);
   }
   void border_reached(Index /*i*/) {}
 };
@@ -235,7 +257,7 @@ void Dynamics::begin_epoch(double zero, double length, double factor_of_velociti
     disks_[i].velocity_x *= factor_of_velocities;
     disks_[i].velocity_y *= factor_of_velocities;
   }
-  if (is_growing()) longest_epoch_ = longest_epoch();
+  if (is_growing() || changes_energy()) longest_epoch_ = longest_epoch();
   length = std::min({length, longest_epoch_, next_kick_ - epoch_start_});
   expected_events_ = static_cast<std::uint64_t>(static_cast<double>(events_made()) * (length / duration));
   epoch_length_ = length;
@@ -255,6 +277,8 @@ void Dynamics::move_zero_of_time(double zero) {
     disks_[i].x += disks_[i].velocity_x * zero;
     disks_[i].y += disks_[i].velocity_y * zero;
   }
+  if (falls()) let_fall(zero);
+  for (double& time : last_contact_) time -= zero;
   ++epoch_;
   double const later = zero + epoch_start_rest_;
   double const start = epoch_start_ + later;
@@ -268,8 +292,20 @@ void Dynamics::move_zero_of_time(double zero) {
   pipeline_.clear();
 }
 
+/// Adds the motion by gravity to the positions and velocities at the start of the epoch.
+void Dynamics::let_fall(double time) {
+  Vector const fallen = fall(gravity_, time);
+  for (std::size_t i = 0; i < size_; ++i) {
+    disks_[i].x += fallen.x;
+    disks_[i].y += fallen.y;
+    disks_[i].velocity_x += gravity_.x * time;
+    disks_[i].velocity_y += gravity_.y * time;
+  }
+}
+
 void Dynamics::write_at(double t, double scale, State& state) const {
   Disks& disks = state.agents;
+  Vector const fallen = fall(gravity_, t);
   auto const radius = disks.column<Radius>();
   for (std::size_t i = 0; i < size_; ++i) {
     MovingDisk const& disk = disks_[i];
@@ -277,7 +313,8 @@ void Dynamics::write_at(double t, double scale, State& state) const {
     if (is_growing()) radius[row] = radius_[i] * scale;
     int crossed_x = 0;
     int crossed_y = 0;
-    Vector p = box_.wrap({disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t}, crossed_x, crossed_y);
+    Vector p =
+        box_.wrap(Vector{disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t} + fallen, crossed_x, crossed_y);
     if (!box_.is_periodic()) {
       // A disk at a wall may be outside the box by a rounding error.
       p.x = std::clamp(p.x, radius[row], box_.width() - radius[row]);
@@ -285,8 +322,8 @@ void Dynamics::write_at(double t, double scale, State& state) const {
     }
     disks.column<X>()[row] = p.x;
     disks.column<Y>()[row] = p.y;
-    disks.column<VelocityX>()[row] = disk.velocity_x;
-    disks.column<VelocityY>()[row] = disk.velocity_y;
+    disks.column<VelocityX>()[row] = disk.velocity_x + gravity_.x * t;
+    disks.column<VelocityY>()[row] = disk.velocity_y + gravity_.y * t;
     disks.column<ImageX>()[row] = image_[i].x + crossed_x;
     disks.column<ImageY>()[row] = image_[i].y + crossed_y;
   }
@@ -303,7 +340,7 @@ void Dynamics::serialize(Archive& archive) {
     saved.velocity_y.push_back(disk.velocity_y);
     saved.event_time.push_back(disk.event_time);
     saved.last_hit.push_back(disk.last_hit);
-    saved.partner.push_back(disk.partner < vertical_border ? disks_[disk.partner].id_index : disk.partner);
+    saved.partner.push_back(disk.partner < first_obstacle ? disks_[disk.partner].id_index : disk.partner);
     saved.partner_collision_count.push_back(disk.partner_collision_count);
     saved.collision_count.push_back(disk.collision_count);
     saved.column.push_back(has_lists() ? 0 : cells_[i].column);
@@ -322,8 +359,19 @@ void Dynamics::serialize(Archive& archive) {
   archive.visit("hits_before_epoch", hits_before_epoch_);
   archive.visit("expected_events", expected_events_);
   if (is_growing()) serialize_growth(archive);
+  if (losses_.contact_time > 0.0) serialize_contacts(archive);
   serialize_lists(archive);
   if (archive.is_restoring()) restore(archive, saved);
+}
+
+void Dynamics::serialize_contacts(Archive& archive) {
+  std::vector<double> times;
+  std::vector<Index> const disks = disks_by_id_index();
+  for (Index const i : disks) times.push_back(last_contact_[i]);
+  archive.visit("last_contacts", times);
+  if (!archive.is_restoring()) return;
+  archive.require(times.size() == size_, "the engine has other disks than the state");
+  for (std::size_t id_index = 0; id_index < size_; ++id_index) last_contact_[disks[id_index]] = times[id_index];
 }
 
 void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
@@ -331,8 +379,9 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
   std::vector<Index> const disks = disks_by_id_index();
   for (std::size_t id_index = 0; id_index < size_; ++id_index) {
     Index const partner = saved.partner[id_index];
-    archive.require((partner >= vertical_border || partner < size_) && saved.event_time[id_index] >= now_ &&
-                        std::isfinite(saved.last_hit[id_index]),
+    bool const is_obstacle = partner >= first_obstacle && partner - first_obstacle < all_obstacles_.size();
+    archive.require((partner >= vertical_border || is_obstacle || partner < size_) &&
+                        saved.event_time[id_index] >= now_ && std::isfinite(saved.last_hit[id_index]),
                     "a disk waits for an event that cannot be");
     MovingDisk& disk = disks_[disks[id_index]];
     disk = {.x = saved.x[id_index],
@@ -341,7 +390,7 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
             .velocity_y = saved.velocity_y[id_index],
             .event_time = saved.event_time[id_index],
             .last_hit = saved.last_hit[id_index],
-            .partner = partner < vertical_border ? disks[partner] : partner,
+            .partner = partner < first_obstacle ? disks[partner] : partner,
             .partner_collision_count = saved.partner_collision_count[id_index],
             .collision_count = saved.collision_count[id_index],
             .id_index = disk.id_index};

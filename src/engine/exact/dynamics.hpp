@@ -32,6 +32,9 @@ struct DynamicsOptions {
   Lists lists = Lists::where_they_pay;
   Sharing sharing = {};
   double thermal_speed_squared = 0.0;  ///< the mean squared speed after kicks; 0: there are none
+  Vector gravity = {};                 ///< acceleration of all disks that move
+  Losses losses = {};
+  std::span<Obstacle const> walls = {};  ///< walls inside the box
 };
 
 /// Limits of a growth, which stops at the first that it reaches.
@@ -42,7 +45,8 @@ struct EndOfGrowth {
                                                                               ///< limit of the hits of disks
 };
 
-/// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
+/// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own. Disks of
+/// infinite mass are obstacles, which never move; all numbers below are of the other disks.
 ///
 /// Times are counted from the state that the dynamics was made of. Internally they are counted from the start of an
 /// epoch, so that positions and event times keep their digits however long the run is. The length of an epoch is a
@@ -72,6 +76,8 @@ class Dynamics final : public Flight {
             std::function<bool()> const& should_continue = {});
   /// Number of hits of disks: a wall hit counts once, a pair collision twice.
   [[nodiscard]] std::uint64_t hits() const { return hits_; }
+  /// Number of collisions that lost nothing because a disk had collided less than Losses::contact_time before.
+  [[nodiscard]] std::uint64_t elastic_contacts() const { return elastic_contacts_; }
   /// Begins a new epoch at the last event and multiplies all velocities. To keep the calendar small, call it every few
   /// tens of collisions per disk. Contract: the disks grow.
   void renew(double factor_of_velocities = 1.0);
@@ -112,7 +118,9 @@ class Dynamics final : public Flight {
   [[nodiscard]] double last_event() const { return epoch_start_ + (epoch_start_rest_ + now_); }
 
   /// Returns whether a collision can ever come: there are at least two disks, and one moves.
-  [[nodiscard]] bool can_collide() const { return size_ > 1 && epoch_length_ > 0.0; }
+  [[nodiscard]] bool can_collide() const {
+    return (size_ > 1 || (size_ == 1 && !all_obstacles_.empty())) && epoch_length_ > 0.0;
+  }
 
   /// Writes positions at time `elapsed` (no earlier than the last event), velocities, images, and the radii of growing
   /// disks into the state that the dynamics was made of.
@@ -147,6 +155,7 @@ class Dynamics final : public Flight {
 
  private:
   void read_disks(State const& state);
+  void read_obstacles(State const& state, std::span<Obstacle const> walls);
   void choose_epoch();
   void end_epoch(bool may_share);
   /// Begins an epoch; threads share it if the expected hits per time of a disk make that faster.
@@ -190,12 +199,16 @@ class Dynamics final : public Flight {
   void restore_cells(Archive const& archive, SavedDisks const& saved);
 
   void write_at(double time, double scale, State& state) const;
+  void let_fall(double time);
+  void serialize_contacts(Archive& archive);
 
   void require_time_to_pass();
   void audit_overlaps() const;
+  void audit_obstacles(Index i) const;
   void audit_missed_events() const;
   [[nodiscard]] Id id_of(Index i) const { return ids_.empty() ? disks_[i].id_index : ids_[disks_[i].id_index]; }
 
+  Obstacles all_obstacles_;
   std::vector<Id> ids_;  // Ids by id index; empty where each Id is its index
   std::vector<std::uint32_t>
       row_of_;  // row in the state, by id index; empty where the rows are in the order of the Ids

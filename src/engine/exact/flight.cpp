@@ -59,6 +59,9 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   mean_squared_radius_ = whole.mean_squared_radius_;
   lists_.wish = whole.lists_.wish;
   growth_ = whole.growth_;
+  gravity_ = whole.gravity_;
+  losses_ = whole.losses_;
+  obstacles_ = whole.obstacles_;
   pipeline_.clear();
 }
 
@@ -68,10 +71,11 @@ void Flight::predict_all(double time) {
   LargeArray<double> times(size_);
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
   for (Index i = 0; i < size_; ++i) {
-    Prediction const first = predictor_.one(prediction_input_, i, time);
+    Prediction first = predictor_.one(prediction_input_, i, time);
+    if (obstacles_ != nullptr) first = first_of_obstacles(i, first, time);
     times[i] = first.time;
     disks_[i].partner = first.partner;
-    if (first.partner < vertical_border) disks_[i].partner_collision_count = disks_[first.partner].collision_count;
+    if (first.partner < first_obstacle) disks_[i].partner_collision_count = disks_[first.partner].collision_count;
   }
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = times[i];
 }
@@ -94,6 +98,8 @@ void Flight::refresh_prediction_input() {
                        .width = box_.width(),
                        .height = box_.height(),
                        .is_periodic = box_.is_periodic(),
+                       .falls = falls(),
+                       .gravity = gravity_,
                        .scale = growth_.scale,
                        .neighbours = has_lists() ? lists_.neighbours.data() : nullptr,
                        .long_lists = lists_.long_lists.data(),
@@ -141,6 +147,7 @@ void Flight::sort_disks_by_cell(double time) {
     permute(mass_, new_name);
   }
   permute(image_, new_name);
+  if (!last_contact_.empty()) permute(last_contact_, new_name);
   permute(cells_, new_name);
   if (has_lists()) permute(lists_.places, new_name);
   permute(disks_, std::move(new_name));  // the last use of new_name

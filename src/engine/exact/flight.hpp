@@ -8,12 +8,14 @@
 
 #include "engine/exact/calendar.hpp"
 #include "engine/exact/fetch_pipeline.hpp"
+#include "engine/exact/losses.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/near_places.hpp"
 #include "engine/exact/neighbours.hpp"
 #include "engine/exact/prediction.hpp"
 #include "engine/exact/scale.hpp"
 #include "engine/exact/slot_grid.hpp"
+#include "engine/obstacles.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 
@@ -37,6 +39,17 @@ enum class Fetching {
 struct SizeClass {
   double largest_radius;
   SlotGrid grid;
+};
+
+/// The momentum that a disk gives to an obstacle.
+struct ImpactOnObstacle {
+  double impulse;
+  double distance;  ///< between the centre of the disk and the nearest point of a wall, or the centre of a fixed disk
+
+  /// Returns the virial for a fixed disk, the impulse for a wall.
+  [[nodiscard]] double amount_for(Obstacle const& obstacle) const {
+    return obstacle.is_disk() ? impulse * distance : impulse;
+  }
 };
 
 /// Signed number of times that a disk has crossed a periodic box in x and y.
@@ -91,9 +104,11 @@ class Flight {
     return due;
   }
   /// Handles the event of disk i, which is due now. The observer is told of it by one of
-  ///     pair_collided(i, j, virial)   wall_hit(i, side, impulse)   border_reached(i)
+  ///     pair_collided(i, j, virial)         wall_hit(i, side, impulse)
+  ///     obstacle_hit(i, obstacle, impact)   border_reached(i)
   template <bool grows, class Observer>
   void handle(Index i, Observer& observer);
+  /// Stores the next event of disk i, which was predicted at the time of the last event.
   void schedule(Index i, Prediction const& next);
 
   [[nodiscard]] bool is_growing() const { return growth_.scale.rate != 0.0; }
@@ -103,11 +118,25 @@ class Flight {
 
   [[nodiscard]] Vector position_at(Index i, double time) const {
     MovingDisk const& disk = disks_[i];
-    return {disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time};
+    return Vector{disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time} + fall(gravity_, time);
   }
+  [[nodiscard]] Vector velocity_at(Index i, double time) const {
+    return Vector{disks_[i].velocity_x, disks_[i].velocity_y} + time * gravity_;
+  }
+  [[nodiscard]] bool falls() const { return gravity_ != Vector{}; }
+  /// Returns whether collisions or gravity change the kinetic energy.
+  [[nodiscard]] bool changes_energy() const { return losses_.has_any() || falls(); }
   [[nodiscard]] bool has_lists() const { return !lists_.places.empty(); }
 
   void choose_fetching();
+
+  // Functions in impacts.cpp:
+  /// Returns the first event of disk i: the one predicted at this time without obstacles, or a hit of an obstacle.
+  [[nodiscard]] Prediction first_of_obstacles(Index i, Prediction const& next, double time) const;
+  /// Reflects disk i from the obstacle that it touches.
+  ImpactOnObstacle reflect_from(Obstacle const& obstacle, Index i);
+  /// Returns 1 + e of a collision now of disk i and of disk j, or of a wall or obstacle where j is i.
+  double bounce_of(Index i, Index j, double restitution);
 
   // Functions in cells.cpp:
   void make_room_in_cells(double time);
@@ -191,6 +220,12 @@ class Flight {
   };
   Growth growth_;
 
+  Vector gravity_;
+  Losses losses_;
+  LargeArray<double> last_contact_;       // time of the last collision in this epoch; empty without contact_time
+  std::uint64_t elastic_contacts_ = 0;    // collisions that lost nothing because of contact_time
+  Obstacles const* obstacles_ = nullptr;  // nullptr where there are none
+
  private:
   void fetch_for_events_to_come() {
     if (fetching_ == Fetching::far) fetch_far();
@@ -211,10 +246,17 @@ class Flight {
 template <bool grows, class Observer>
 void Flight::handle(Index i, Observer& observer) {
   MovingDisk& disk = disks_[i];
-  if (disk.partner >= vertical_border) {
-    reach_border(i,
-                 grows ? border_event_growing(prediction_input_, i) : border_event(prediction_input_, i, disk.partner),
-                 observer);
+  if (disk.partner >= first_obstacle) {
+    if (disk.partner < vertical_border) {
+      Obstacle const& obstacle = (*obstacles_)[disk.partner - first_obstacle];
+      observer.border_reached(i);
+      observer.obstacle_hit(i, obstacle, reflect_from(obstacle, i));
+    } else {
+      reach_border(
+          i,
+          grows ? border_event_growing(prediction_input_, i) : border_event(prediction_input_, i, disk.partner, now_),
+          observer);
+    }
   } else if (disks_[disk.partner].collision_count == disk.partner_collision_count) {
     Index const j = disk.partner;
     collide(i, j, observer);
@@ -227,8 +269,11 @@ void Flight::handle(Index i, Observer& observer) {
   schedule(i, predictor_.one(prediction_input_, i, now_));
 }
 
-inline void Flight::schedule(Index i, Prediction const& next) {
+inline void Flight::schedule(Index i, Prediction const& without_obstacles) {
   MovingDisk& disk = disks_[i];
+  Prediction next = without_obstacles;
+  if (obstacles_ != nullptr) [[unlikely]]
+    next = first_of_obstacles(i, next, now_);
   disk.event_time = next.time;
   disk.partner = next.partner;
   disk.partner_collision_count =
@@ -236,8 +281,8 @@ inline void Flight::schedule(Index i, Prediction const& next) {
   calendar_.add(next.time, i, disks_.data());
 }
 
-/// Lets disks i and j collide by the elastic rule of turn.hpp at the time of contact, in the frame in which the two
-/// rims rest: the velocity v along the line of centres becomes −v + 2a. The centre at the start of the epoch moves so
+/// Lets disks i and j collide by the rule of turn.hpp at the time of contact, in the frame in which the two rims rest:
+/// the velocity v along the line of centres becomes −e v + (1 + e) a. The centre at the start of the epoch moves so
 /// that the path does not jump: x + v·now stays the same. The bits do not depend on which of the two disks is i.
 template <class Observer>
 void Flight::collide(Index i, Index j, Observer& observer) {
@@ -253,7 +298,8 @@ void Flight::collide(Index i, Index j, Observer& observer) {
   double const growth = sum * growth_.scale.rate;
   double const squared_distance = d_x * d_x + d_y * d_y;
   double const approach = (w_x * d_x + w_y * d_y) - growth * contact;
-  double const along = 2.0 * approach / ((mass_a + mass_b) * squared_distance);
+  double const bounce = losses_.has_any() ? bounce_of(i, j, losses_.restitution) : 2.0;
+  double const along = bounce * approach / ((mass_a + mass_b) * squared_distance);
   double const along_a = mass_b * along;
   double const along_b = mass_a * along;
   change_velocity(a, along_a * d_x, along_a * d_y, now_);
@@ -284,15 +330,15 @@ void Flight::reach_border(Index i, BorderEvent const& event, Observer& observer)
   }
 }
 
-/// Reflects disk i from a resting wall that its rim, growing at speed a, meets: v becomes −v plus 2a, inwards.
+/// Reflects disk i from a resting wall that its rim, growing at speed a, meets: v becomes −e v plus (1 + e) a, inwards.
 template <class Observer>
 void Flight::hit_wall(Index i, Side side, Observer& observer) {
   MovingDisk& disk = disks_[i];
   bool const is_vertical = side == Side::left || side == Side::right;
   double const inwards = side == Side::left || side == Side::bottom ? 1.0 : -1.0;
   double const radius = radius_of(i);
-  double const velocity = is_vertical ? disk.velocity_x : disk.velocity_y;
-  double const change = 2.0 * (inwards * radius * growth_.scale.rate - velocity);
+  double const velocity = is_vertical ? disk.velocity_x + gravity_.x * now_ : disk.velocity_y + gravity_.y * now_;
+  double const change = bounce_of(i, i, losses_.wall_restitution) * (inwards * radius * growth_.scale.rate - velocity);
   change_velocity(disk, is_vertical ? change : 0.0, is_vertical ? 0.0 : change, now_);
   ++hits_;
   double const impulse = mass_of(i) * std::abs(change);

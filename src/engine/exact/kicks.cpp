@@ -61,10 +61,11 @@ Id Dynamics::kick(double elapsed, std::uint32_t id_index, VelocityOf const& velo
   Index const i = disk_of(id_index);
   MovingDisk& disk = disks_[i];
   Vector const v = velocity_of(id_of(i), mass_of(i));
-  disk.x += (disk.velocity_x - v.x) * now_;
-  disk.y += (disk.velocity_y - v.y) * now_;
-  disk.velocity_x = v.x;
-  disk.velocity_y = v.y;
+  Vector const at_zero = v - now_ * gravity_;
+  disk.x += (disk.velocity_x - at_zero.x) * now_;
+  disk.y += (disk.velocity_y - at_zero.y) * now_;
+  disk.velocity_x = at_zero.x;
+  disk.velocity_y = at_zero.y;
   disk.last_hit = now_;
   ++disk.collision_count;
   Id const id = id_of(i);

@@ -73,7 +73,7 @@ void Flight::renew_lists(double time) {
   lists_.room = room;
   lists_.max_scale = max_scale;
   lists_.places.resize(size_);
-  for (Index i = 0; i < size_; ++i) lists_.places[i] = place_of(disks_[i], time);
+  for (Index i = 0; i < size_; ++i) lists_.places[i] = place_of(disks_[i], gravity_, time);
   lay_cells_by_size();
   find_all_neighbours();
 }
@@ -168,7 +168,7 @@ void Flight::tell(Index other, Index i) {
 
 /// Gives a disk that has left the room around its place a new place, and renews the lists that change by it.
 void Flight::take_new_place(Index i, double time) {
-  lists_.places[i] = place_of(disks_[i], time);
+  lists_.places[i] = place_of(disks_[i], gravity_, time);
   move_to_cell(i, cell_of(i, time), time);
   find_neighbours(i, true);
 }

@@ -46,8 +46,9 @@ struct Place {
   double y;
 };
 
-inline Place place_of(MovingDisk const& disk, double time) {
-  return {disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time};
+inline Place place_of(MovingDisk const& disk, Vector gravity, double time) {
+  Vector const fallen = fall(gravity, time);
+  return {disk.x + disk.velocity_x * time + fallen.x, disk.y + disk.velocity_y * time + fallen.y};
 }
 
 }  // namespace gridlock::exact

@@ -30,6 +30,8 @@ struct PredictionInput {
   double width;
   double height;
   bool is_periodic;
+  bool falls = false;                      ///< whether there is gravity
+  Vector gravity = {};                     ///< acceleration of every disk
   Scale scale = {};                        ///< factor of all radii
   Neighbours const* neighbours = nullptr;  ///< list of each disk; nullptr while the block of cells is searched
   LongList const* long_lists = nullptr;    ///< lists of the disks with too many neighbours for `neighbours`
@@ -113,9 +115,31 @@ Predictor plain_predictor(bool is_growing);
 std::optional<Predictor> avx512_predictor(bool is_growing);
 std::optional<Predictor> highway_predictor(Target target, bool is_growing);
 
+/// The sides of the rectangle that a disk leaves next: its cell, or the room around its place, as far as the box goes.
+struct Bounds {
+  double left, right, bottom, top;
+};
+inline Bounds bounds_of(PredictionInput const& s, Index i) {
+  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
+  auto const inside = [r](double coordinate, double side) { return std::min(std::max(coordinate, r), side - r); };
+  if (s.places != nullptr) {
+    return {inside(s.places[i].x - s.room, s.width), inside(s.places[i].x + s.room, s.width),
+            inside(s.places[i].y - s.room, s.height), inside(s.places[i].y + s.room, s.height)};
+  }
+  double const* const columns = s.column_limits + std::ptrdiff_t{2} * s.cells[i].column;
+  double const* const rows = s.row_limits + std::ptrdiff_t{2} * s.cells[i].row;
+  return {inside(columns[0], s.width), inside(columns[1], s.width), inside(rows[0], s.height),
+          inside(rows[1], s.height)};
+}
+
+/// Predicts when disk i, which falls, reaches a border; see predict_border().
+Prediction predict_border_falling(PredictionInput const& prediction_input, Index i, double now);
+
 /// Predicts when disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or
 /// a wall. Contract: the disk does not grow, or the box is periodic.
 inline Prediction predict_border(PredictionInput const& s, Index i, double now) {
+  if (s.falls) [[unlikely]]
+    return predict_border_falling(s, i, now);
   MovingDisk const& disk = s.disks[i];
   bool const is_rightwards = disk.velocity_x > 0.0;
   bool const is_upwards = disk.velocity_y > 0.0;
@@ -148,11 +172,15 @@ struct BorderEvent {
   Side side;
   Border border;
 };
-/// Returns the border of a disk that does not grow from its event with `partner`; its time is not set.
-inline BorderEvent border_event(PredictionInput const& s, Index i, Index partner) {
+/// Returns whether a disk that falls has reached the upper of two borders: the nearer of the two, because at the top of
+/// its path the sign of its velocity is a matter of rounding.
+bool is_at_upper_border(PredictionInput const& prediction_input, Index i, bool is_vertical, double now);
+
+/// Returns the border of a disk that does not grow from its event with `partner`, now; its time is not set.
+inline BorderEvent border_event(PredictionInput const& s, Index i, Index partner, double now) {
   bool const is_vertical = partner == vertical_border;
   double const velocity = is_vertical ? s.disks[i].velocity_x : s.disks[i].velocity_y;
-  bool const is_upwards = velocity > 0.0;
+  bool const is_upwards = s.falls ? is_at_upper_border(s, i, is_vertical, now) : velocity > 0.0;
   Side const side = is_vertical ? (is_upwards ? Side::right : Side::left) : (is_upwards ? Side::top : Side::bottom);
   Border const at_edge = s.is_periodic ? Border::edge : Border::wall;
   if (s.places == nullptr) {

@@ -157,6 +157,8 @@ GRIDLOCK_AVX512 inline __m512d dot(__m512d a_x, __m512d a_y, __m512d b_x, __m512
 
 template <bool grows>
 GRIDLOCK_AVX512 inline Prediction border_of(PredictionInput const& s, Index i, double now) {
+  if (s.falls) [[unlikely]]
+    return predict_border_falling(s, i, now);
   return grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
 }
 

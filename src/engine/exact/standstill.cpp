@@ -19,6 +19,14 @@ constexpr std::uint64_t events_per_disk = 16;
 /// hundredths of it; jammed ones for as much as growth.cpp leaves in a gap.
 constexpr double digits_per_flight = 1.0;
 
+constexpr char const* wedge =
+    "it is in contact on all sides and cannot move\n  hint: give the disks more space, by a lower packing fraction or "
+    "a "
+    "larger box";
+constexpr char const* collapse =
+    "collisions that lose energy come without end, the inelastic collapse\n  hint: set collisions.contact_time, far "
+    "shorter than the time between collisions, or a collisions.restitution nearer to 1";
+
 }  // namespace
 
 /// Throws RunFailure for a stall. Disks wedged between walls or in closed rows can collide infinitely often in finite
@@ -44,14 +52,12 @@ void Dynamics::require_time_to_pass() {
         max_hit = i;
       }
     }
-    MovingDisk const& disk = disks_[max_hit];
+    auto const [x, y] = position_at(max_hit, now_);
     if (passed * speed < max_hits * min_displacement) {
       throw RunFailure(
-          fmt::format("time {}: no time passes: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of {:.3g}: it "
-                      "is in contact on all sides and cannot move\n  hint: give the disks more space, by a lower "
-                      "packing fraction or a larger box",
-                      last_event(), id_of(max_hit), disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_,
-                      max_hits, passed));
+          fmt::format("time {}: no time passes: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of "
+                      "{:.3g}: {}",
+                      last_event(), id_of(max_hit), x, y, max_hits, passed, losses_.has_any() ? collapse : wedge));
     }
   }
   bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * min_displacement;

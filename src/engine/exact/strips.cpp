@@ -173,7 +173,7 @@ void Strip::renew_copies(Flight const& whole, double time) {
     if (depth > plan_.reach) disks_[i].event_time = -never;
   }
   for (Index const i : renewed_) {
-    if (has_lists()) lists_.places[i] = place_of(disks_[i], time);
+    if (has_lists()) lists_.places[i] = place_of(disks_[i], gravity_, time);
     move_to_cell(i, cell_of(i, time), time);
   }
   for (Index const i : renewed_) {
@@ -217,6 +217,12 @@ struct Strip::Observer {
     if (!is_own(i)) return;
     ++strip.own_hits_;
     strip.counted_[1 + static_cast<std::size_t>(wall)].push_back({strip.now_, impulse});
+  }
+  void obstacle_hit(Index i, Obstacle const& obstacle, ImpactOnObstacle const& impact) {
+    if (!is_own(i)) return;
+    ++strip.own_hits_;
+    std::size_t const kind = obstacle.is_disk() ? 0 : kinds_of_counts - 1;
+    strip.counted_[kind].push_back({strip.now_, impact.amount_for(obstacle)});
   }
   void border_reached(Index i) {
     if (is_own(i)) strip.note(i, strip.height_of(i, strip.now_));
@@ -394,6 +400,8 @@ bool Strips::count_window(double start, double end, Counters& counters) {
     };
     if (kind == 0) {
       add_slices(sum.pair_collisions, sum.pair_virial);
+    } else if (kind + 1 == Strip::kinds_of_counts) {
+      add_slices(sum.inner_wall_hits, sum.inner_wall_impulse);
     } else {
       add_slices(sum.wall_hits[kind - 1], sum.wall_impulse[kind - 1]);
     }

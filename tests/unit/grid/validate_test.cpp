@@ -154,8 +154,16 @@ TEST(Validate, RefusesWhatIsNotFiniteAndWhatMustBePositive) {
     expect_problem(state, "disk 0 has position");
     state.agents.column<Radius>()[0] = 0.1;
     state.agents.column<Mass>()[0] = bad;
+    state.agents.column<VelocityX>()[0] = 1.0;  // at rest a disk of infinite mass is a fixed one
     expect_problem(state, "disk 0 has position");
   }
+}
+
+TEST(Validate, TakesADiskOfInfiniteMassAtRestForAFixedOne) {
+  State state = empty_state(Edge::wall);
+  add(state, 0.5, 0.5, 0.1);
+  state.agents.column<Mass>()[0] = infinity;
+  EXPECT_NO_THROW(validate(state));
 }
 
 TEST(Validate, ShowsTheFirstFewOfManyAndCountsTheRest) {

@@ -56,6 +56,22 @@ const DISKS: Readonly<Record<string, string>> = {
     WALLS +
     'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.5\ndisks.start = "random"\nrun.time = 0.5\n' +
     'thermostat = { kind = "andersen", temperature = 0.5, rate = 20 }',
+  obstacles:
+    PERIODIC +
+    'box.width = 1.3\nbox.height = 0.8\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +
+    "disks.species = [{ fraction = 0.25, size_ratio = 1.5, fixed = true }, { fraction = 0.75 }]",
+  inelastic:
+    PERIODIC +
+    'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.5\ndisks.start = "random"\nrun.time = 0.5\ncollisions.restitution = 0.9',
+  falling:
+    WALLS +
+    'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +
+    "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]\ngravity = { x = 0.3, y = -2 }",
+  grains:
+    WALLS +
+    "disks.count = 100\ndisks.packing_fraction = 0.2\ndisks.species = [{ fraction = 0.1, fixed = true }, { fraction = 0.9 }]\n" +
+    "collisions = { restitution = 0.8, wall_restitution = 0.9, contact_time = 1e-3 }\ngravity.y = -1\nrun.time = 1\n" +
+    "walls = [{ from = [0.1, 0.3], to = [0.5, 0.3] }, { from = [0.8, 0.2], to = [0.8, 0.7] }]",
 };
 
 const MODELS: Readonly<Record<string, string>> = {

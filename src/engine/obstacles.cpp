@@ -1,0 +1,87 @@
+#include "engine/obstacles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gridlock {
+
+namespace {
+
+/// Cells for each obstacle, about, as long as disks fit into a cell.
+constexpr double cells_per_obstacle = 4.0;
+/// Largest number of cells along a side.
+constexpr double max_cells_along_side = 4096.0;
+
+std::size_t cells_along(double length, double side) {
+  return static_cast<std::size_t>(std::clamp(std::floor(length / side), 1.0, max_cells_along_side));
+}
+
+}  // namespace
+
+std::string to_text(Obstacle const& obstacle) {
+  auto const [from, to, radius] = obstacle;
+  if (obstacle.is_disk()) return fmt::format("the fixed disk at ({:.6g}, {:.6g})", from.x, from.y);
+  return fmt::format("the wall from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g})", from.x, from.y, to.x, to.y);
+}
+
+Vector Obstacle::nearest_to(Vector p) const {
+  Vector const along = to - from;
+  double const squared = squared_length(along);
+  if (!(squared > 0.0)) return from;
+  double const part = std::clamp(dot(p - from, along) / squared, 0.0, 1.0);
+  return part == 1.0 ? to : from + part * along;
+}
+
+Obstacles::Obstacles(Box const& box, std::span<Obstacle const> obstacles, double largest_radius) {
+  // A factor above 1 covers the rounding of places and paths.
+  auto const reach_of = [&](Obstacle const& obstacle) { return (obstacle.radius + largest_radius) * (1.0 + 1e-6); };
+  double const last_image = box.is_periodic() ? 1.0 : 0.0;
+  for (Obstacle const& obstacle : obstacles) {
+    double const reach = reach_of(obstacle);
+    for (double n = -last_image; n <= last_image; n += 1.0) {
+      for (double m = -last_image; m <= last_image; m += 1.0) {
+        Vector const shift{n * box.width(), m * box.height()};
+        Obstacle const image{obstacle.from + shift, obstacle.to + shift, obstacle.radius};
+        bool const is_near =
+            std::max(image.from.x, image.to.x) >= -reach && std::min(image.from.x, image.to.x) <= box.width() + reach &&
+            std::max(image.from.y, image.to.y) >= -reach && std::min(image.from.y, image.to.y) <= box.height() + reach;
+        if (is_near) all_.push_back(image);
+      }
+    }
+  }
+  if (all_.empty()) return;
+  double const wanted = std::sqrt(box.area() / (cells_per_obstacle * static_cast<double>(all_.size())));
+  double const side = std::max(wanted, 2.0 * largest_radius);
+  columns_ = cells_along(box.width(), side);
+  rows_ = cells_along(box.height(), side);
+  columns_per_length_ = static_cast<double>(columns_) / box.width();
+  rows_per_length_ = static_cast<double>(rows_) / box.height();
+  Vector const cell{box.width() / static_cast<double>(columns_), box.height() / static_cast<double>(rows_)};
+  double const half_diagonal = 0.5 * std::sqrt(squared_length(cell));
+  std::vector<std::vector<std::uint32_t>> of_cell(columns_ * rows_);
+  for (std::uint32_t k = 0; k < all_.size(); ++k) {
+    Obstacle const& obstacle = all_[k];
+    double const reach = reach_of(obstacle);
+    double const farthest = reach + half_diagonal;
+    std::size_t const last_column = column_of(std::max(obstacle.from.x, obstacle.to.x) + reach);
+    std::size_t const last_row = row_of(std::max(obstacle.from.y, obstacle.to.y) + reach);
+    for (std::size_t row = row_of(std::min(obstacle.from.y, obstacle.to.y) - reach); row <= last_row; ++row) {
+      for (std::size_t column = column_of(std::min(obstacle.from.x, obstacle.to.x) - reach); column <= last_column;
+           ++column) {
+        Vector const middle{(static_cast<double>(column) + 0.5) * cell.x, (static_cast<double>(row) + 0.5) * cell.y};
+        if (squared_length(middle - obstacle.nearest_to(middle)) <= farthest * farthest) {
+          of_cell[row * columns_ + column].push_back(k);
+        }
+      }
+    }
+  }
+  begin_of_cell_.push_back(0);
+  for (std::vector<std::uint32_t> const& names : of_cell) {
+    in_cells_.insert(in_cells_.end(), names.begin(), names.end());
+    begin_of_cell_.push_back(in_cells_.size());
+  }
+}
+
+}  // namespace gridlock
