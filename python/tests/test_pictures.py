@@ -138,3 +138,19 @@ def test_the_mean_displacement_has_logarithmic_axes_and_its_error(tmp_path, draw
     ((low, high),) = [segment[:, 1] for segment in axes.containers[0].lines[2][0].get_segments()]
     assert (high - low) / 2 == pytest.approx(result.error) and result.error > 0
     assert axes.get_xlabel() == "time t / (length / speed)"
+
+
+def test_curves_on_request_are_drawn_as_they_were_measured(tmp_path, drawn):
+    gridlock.run(
+        {"box": OBLONG, "disks": {"count": 80, "packing_fraction": 0.4}, "engine": {"kind": "exact"}, "run": {"steps": 400},
+         "observe": {"every": 5, "density_profile": "both", "displacement_lag": 12, "local_density_every": 2, "clusters_every": 2}},
+        tmp_path / "out")
+    run = gridlock.open(tmp_path / "out")
+    axes = drawn(run.path)
+    for name, x, y in [("density_profile_x", "position", "number_density"), ("density_profile_y", "position", "number_density"),
+                       ("mean_squared_displacement", "lag", "mean_squared_displacement"),
+                       ("local_density", "agents_in_cell", "share_of_cells"), ("cluster_sizes", "size", "clusters")]:
+        assert np.array_equal(axes[name].lines[0].get_xdata(), run.table(name)[x])
+        assert np.array_equal(axes[name].lines[0].get_ydata(), run.table(name)[y])
+    assert axes["density_profile_x"].get_xlabel() == "x / length"
+    assert axes["mean_squared_displacement"].get_xscale() == "log"

@@ -101,7 +101,8 @@ def _unit_of_distance(run: Any, unit: float | None) -> tuple[float, str]:
 
 
 def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None = None, label: str = "") -> Axes:
-    """A measured curve with its errors: "pair_correlation", "speed_distribution", "velocity_autocorrelation".
+    """A measured curve with its errors: "pair_correlation", "speed_distribution", "velocity_autocorrelation", "density_profile_x",
+    "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes"; displacements and clusters in logarithms.
 
     :param unit: the length that distances of g(r) are given in; the mean diameter where left out, of agents that have one.
     """
@@ -126,6 +127,11 @@ def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None =
         _begin_at_zero(axes)
     else:
         line(axes, table[x], table[y], error, label=label)
+    if name in ("mean_squared_displacement", "cluster_sizes") and (table[y] > 0).any():
+        axes.set(xscale="log", yscale="log")
+    if name.startswith("density_profile"):
+        axes.set_xlabel(f"{name[-1]} / length")
+        axes.set_ylim(0.0, None)
     return axes
 
 

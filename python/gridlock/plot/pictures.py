@@ -164,6 +164,9 @@ def _draw_curves(artist: _Artist, run: RunDirectory, last: Frame) -> None:
         artist.chart("pair_correlation", draw)
     if _has(run.path, "speed_distribution.csv"):
         artist.chart("speed_distribution", lambda axes: curve(run, "speed_distribution", axes=axes))
+    for name in ("density_profile_x", "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes"):
+        if _has(run.path, f"{name}.csv"):
+            artist.chart(name, lambda axes, name=name: curve(run, name, axes=axes))
 
 
 def _draw_series(artist: _Artist, run: RunDirectory, column: str) -> None:
@@ -344,9 +347,9 @@ def _draw_contacts(artist: _Artist, colour: str) -> None:
 def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool = False, overwrite: bool = False) -> Pictures:
     """Draws the pictures of a finished run, sweep or packing into its directory, as ``gridlock plot`` does: SVG and PNG, with ``pdf`` PDF too.
 
-    A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. After a protocol displacements
-    count from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces and
-    levels. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
+    A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation, and the curves that its
+    settings ask for: density profiles, mean_squared_displacement, local_density, cluster_sizes. After a protocol displacements count
+    from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces and levels. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
     results against the swept number with the most values, one line for each combination of the others; over seeds alone, a histogram of
     each result. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
 

@@ -202,6 +202,32 @@ describe("series", () => {
     ]);
   });
 
+  test("observables on request have charts of their own, and each kind of disk does not", () => {
+    const names = [
+      "largest_cluster_fraction",
+      "mean_cluster_size",
+      "local_density_mean",
+      "local_density_variance_ratio",
+      "diffusion_coefficient",
+      "temperature_x",
+      "temperature_y",
+      "temperature_x_kind_1",
+      "temperature_y_kind_2",
+      "crossings_forward",
+      "crossings_backward",
+      "flux_forward",
+      "flux_backward",
+      "net_flux",
+    ];
+    const charts = chartsFor(names.map((name) => ({ name, unit: "", documentation: name })));
+    expect(charts.map((chart) => chart.curves.map((curve) => curve.name))).toEqual([
+      ["largest_cluster_fraction"],
+      ["local_density_variance_ratio"],
+      ["temperature_x", "temperature_y"],
+      ["flux_forward", "flux_backward", "net_flux"],
+    ]);
+  });
+
   test("pressures are shown as Z where it is known, that of the walls too, and time is named below every chart", () => {
     const names = ["step", "time", "virial_pressure", "compressibility_factor", "wall_pressure"];
     const charts = chartsFor(names.map((name) => ({ name, unit: "", documentation: name })));
