@@ -118,7 +118,7 @@ void TemperatureByKind::sample(Snapshot const& now, std::span<double> row, bool 
   auto const velocity_y = now.agents.column<VelocityY>();
   auto const ids = now.agents.ids();
   MobileAgents const mobile(now.agents);
-  std::vector<std::array<ExactSum, motion_sums>> sums(kinds_ + 1);
+  std::vector<ExactSum> of_all((kinds_ + 1) * motion_sums);
   std::array<std::vector<std::size_t>, max_kinds + 1> rows;
   for (std::size_t i = 0; i < now.agents.size(); ++i) {
     if (!mobile.has(i)) continue;
@@ -129,15 +129,17 @@ void TemperatureByKind::sample(Snapshot const& now, std::span<double> row, bool 
   }
   std::vector<MotionOfKind> motion(kinds_ + 1);
   for (std::size_t kind = 0; kind <= kinds_; ++kind) {
-    add_terms(sums[kind], rows[kind].size(), [&](std::size_t k) {
+    std::array<ExactSum, motion_sums> sums;
+    add_terms(sums, rows[kind].size(), [&](std::size_t k) {
       std::size_t const i = rows[kind][k];
       double const x = mass[i] * velocity_x[i];
       double const y = mass[i] * velocity_y[i];
       return std::array{1.0, mass[i], x, y, x * velocity_x[i], y * velocity_y[i]};
     });
-    now.sum(sums[kind]);
-    for (std::size_t s = 0; s < motion_sums; ++s) motion[kind][s] = sums[kind][s].value();
+    std::ranges::copy(sums, of_all.begin() + static_cast<std::ptrdiff_t>(kind * motion_sums));
   }
+  now.sum(of_all);
+  for (std::size_t s = 0; s < of_all.size(); ++s) motion[s / motion_sums][s % motion_sums] = of_all[s].value();
   bool const is_periodic = now.box.is_periodic();
   for (std::size_t kind = 0; kind <= kinds_; ++kind) {
     row[2 * kind] =

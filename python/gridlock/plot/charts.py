@@ -102,7 +102,7 @@ def _unit_of_distance(run: Any, unit: float | None) -> tuple[float, str]:
 
 def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None = None, label: str = "") -> Axes:
     """A measured curve with its errors: "pair_correlation", "speed_distribution", "velocity_autocorrelation", "density_profile_x",
-    "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes"; displacements and clusters in logarithms.
+    "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes" (clusters of one size, the mean over each range).
 
     :param unit: the length that distances of g(r) are given in; the mean diameter where left out, of agents that have one.
     """
@@ -125,10 +125,12 @@ def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None =
         line(axes, table[x] / length, table[y], error, label=label)
         reference(axes, 1.0)
         _begin_at_zero(axes)
+    elif name == "cluster_sizes":
+        sizes = table["largest_size"] - table[x] + 1
+        line(axes, table[x], table[y] / sizes, error / sizes, label=label)
+        axes.set(xscale="log", yscale="log", xlabel="disks in a cluster", ylabel="clusters of one size")
     else:
         line(axes, table[x], table[y], error, label=label)
-    if name in ("mean_squared_displacement", "cluster_sizes") and (table[y] > 0).any():
-        axes.set(xscale="log", yscale="log")
     if name.startswith("density_profile"):
         axes.set_xlabel(f"{name[-1]} / length")
         axes.set_ylim(0.0, None)

@@ -67,7 +67,7 @@ _LABELS = {
     "speed": "speed v / (length / time)",
     "density": "probability density / (time / length)",
     "mean_displacement": "mean displacement / side",
-    "mean_squared_displacement": "mean squared displacement ⟨Δr²⟩ / length²",
+    "mean_squared_displacement": "squared displacement ⟨Δr²⟩ / length²",
     "compressibility_factor": "compressibility factor Z",
     "virial_pressure": "virial pressure / (mass / time²)",
     "wall_pressure": "wall pressure / (mass / time²)",
