@@ -41,8 +41,7 @@ std::vector<std::uint64_t> lags_of_curve(std::uint64_t max_lag) {
   std::vector<std::uint64_t> lags{early_lag_of(max_lag), max_lag};
   for (std::uint64_t lag = 1; lag < max_lag; lag = lag < 16 ? lag + 1 : lag + lag / 10) lags.push_back(lag);
   std::ranges::sort(lags);
-  auto const repeated = std::ranges::unique(lags);
-  lags.erase(repeated.begin(), repeated.end());
+  lags.erase(std::unique(lags.begin(), lags.end()), lags.end());
   return lags;
 }
 

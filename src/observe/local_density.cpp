@@ -39,6 +39,24 @@ std::uint64_t cells_along(double side, double length) {
   return static_cast<std::uint64_t>(std::clamp(std::round(side / length), 1.0, 0x1p15));
 }
 
+/// Returns how many mobile agents of all processes are in each cell of a grid, row by row.
+std::vector<std::uint64_t> counts_of_cells(Snapshot const& now, std::uint64_t columns, std::uint64_t rows) {
+  auto const x = now.agents.column<X>();
+  auto const y = now.agents.column<Y>();
+  MobileAgents const mobile(now.agents);
+  auto const place_along = [](double position, double side, std::uint64_t cells) {
+    auto const count = static_cast<double>(cells);
+    return static_cast<std::uint64_t>(std::clamp(std::floor(position / side * count), 0.0, count - 1.0));
+  };
+  std::vector<std::uint64_t> counts(columns * rows, 0);
+  for (std::size_t i = 0; i < now.agents.size(); ++i) {
+    if (!mobile.has(i)) continue;
+    ++counts[place_along(y[i], now.box.height(), rows) * columns + place_along(x[i], now.box.width(), columns)];
+  }
+  now.counts(counts);
+  return counts;
+}
+
 }  // namespace
 
 void LocalDensity::begin(Snapshot const& start) {
@@ -59,19 +77,7 @@ void LocalDensity::begin(Snapshot const& start) {
 void LocalDensity::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   std::ranges::fill(row, no_value);
   if (!schedule_.is_due(counts_for_average)) return;
-  auto const x = now.agents.column<X>();
-  auto const y = now.agents.column<Y>();
-  MobileAgents const mobile(now.agents);
-  auto const place_along = [](double position, double side, std::uint64_t cells) {
-    auto const count = static_cast<double>(cells);
-    return static_cast<std::uint64_t>(std::clamp(std::floor(position / side * count), 0.0, count - 1.0));
-  };
-  std::vector<std::uint64_t> counts(columns_ * rows_, 0);
-  for (std::size_t i = 0; i < now.agents.size(); ++i) {
-    if (!mobile.has(i)) continue;
-    ++counts[place_along(y[i], now.box.height(), rows_) * columns_ + place_along(x[i], now.box.width(), columns_)];
-  }
-  now.counts(counts);
+  std::vector<std::uint64_t> const counts = counts_of_cells(now, columns_, rows_);
   std::uint64_t agents = 0;
   std::vector<double> shares;
   double const share_of_cell = 1.0 / static_cast<double>(counts.size());

@@ -144,7 +144,7 @@ std::vector<RequestedObservable> requested_observables(ObserveSettings const& se
     requested.push_back({setting, std::move(observable)});
   };
   using Axis = DensityProfile::Axis;
-  for (auto const [asked, axis] : {std::pair(ProfileAxes::x, Axis::x), std::pair(ProfileAxes::y, Axis::y)}) {
+  for (auto const& [asked, axis] : {std::pair(ProfileAxes::x, Axis::x), std::pair(ProfileAxes::y, Axis::y)}) {
     if (settings.density_profile != asked && settings.density_profile != ProfileAxes::both) continue;
     add("density_profile", std::make_unique<DensityProfile>(axis, settings.density_profile_bins));
   }

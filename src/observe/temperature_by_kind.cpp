@@ -37,8 +37,7 @@ std::vector<KindOfDisk> kinds_of_rows(AgentsView const& agents) {
 /// Keeps each kind once, in order, and no more than one above the limit.
 void keep_few(std::vector<KindOfDisk>& kinds) {
   std::ranges::sort(kinds, [](KindOfDisk const& one, KindOfDisk const& other) { return (one <=> other) < 0; });
-  auto const repeated = std::ranges::unique(kinds);
-  kinds.erase(repeated.begin(), repeated.end());
+  kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
   if (kinds.size() > TemperatureByKind::max_kinds) kinds.resize(TemperatureByKind::max_kinds + 1);
 }
 
@@ -88,9 +87,9 @@ enum MotionSum : std::size_t {
 using MotionOfKind = std::array<double, motion_sums>;
 
 /// Returns the temperature along one axis of the agents of a kind, which may be all.
-std::optional<double> temperature_along(bool is_periodic, MotionOfKind const& kind, MotionOfKind const& all,
+std::optional<double> temperature_along(bool keeps_momentum, MotionOfKind const& kind, MotionOfKind const& all,
                                         MotionSum momentum, MotionSum energy) {
-  if (!is_periodic) {
+  if (!keeps_momentum) {
     return kind[of_agents] > 0.0 ? std::optional(kind[energy] / kind[of_agents]) : std::nullopt;
   }
   double const degrees = kind[of_agents] - kind[of_mass] / all[of_mass];
@@ -105,6 +104,11 @@ std::optional<double> temperature_along(bool is_periodic, MotionOfKind const& ki
 void TemperatureByKind::begin(Snapshot const& start) {
   std::vector<KindOfDisk> const of_rows = kinds_of_rows(start.agents);
   std::vector<KindOfDisk> const kinds = few_kinds_of(start, of_rows);
+  MobileAgents const mobile(start.agents);
+  std::array<std::uint64_t, 1> fixed{};
+  for (std::size_t i = 0; i < of_rows.size(); ++i) fixed[0] += mobile.has(i) ? 0U : 1U;
+  start.counts(fixed);
+  has_fixed_ = fixed[0] > 0;
   kinds_ = kinds.size() < 2 || kinds.size() > max_kinds ? 0 : kinds.size();
   reset(temperature_columns(kinds_));
   if (kinds_ == 0) return;
@@ -140,12 +144,12 @@ void TemperatureByKind::sample(Snapshot const& now, std::span<double> row, bool 
   }
   now.sum(of_all);
   for (std::size_t s = 0; s < of_all.size(); ++s) motion[s / motion_sums][s % motion_sums] = of_all[s].value();
-  bool const is_periodic = now.box.is_periodic();
+  bool const keeps_momentum = now.box.is_periodic() && !has_fixed_;
   for (std::size_t kind = 0; kind <= kinds_; ++kind) {
     row[2 * kind] =
-        temperature_along(is_periodic, motion[kind], motion[0], of_momentum_x, of_energy_x).value_or(no_value);
+        temperature_along(keeps_momentum, motion[kind], motion[0], of_momentum_x, of_energy_x).value_or(no_value);
     row[2 * kind + 1] =
-        temperature_along(is_periodic, motion[kind], motion[0], of_momentum_y, of_energy_y).value_or(no_value);
+        temperature_along(keeps_momentum, motion[kind], motion[0], of_momentum_y, of_energy_y).value_or(no_value);
   }
   if (!counts_for_average) return;
   for (std::size_t column = 0; column < row.size(); ++column) {

@@ -111,6 +111,14 @@ TEST(TemperatureByKind, LeavesFixedDisksOutAndMakesThemNoKind) {
   EXPECT_EQ(after.row, before.row);
 }
 
+TEST(TemperatureByKind, CountsEveryMobileDiskWhereFixedOnesTakeMomentum) {
+  State state = three_kinds(Edge::periodic);
+  add_disk(state, {2.5, 1.5}, {}, 0.3, std::numeric_limits<double>::infinity());
+  Temperatures const kt(state);
+  EXPECT_DOUBLE_EQ(kt('x'), 25.0 / 4.0);
+  EXPECT_DOUBLE_EQ(0.5 * (kt('x') + kt('y')), *temperature(state));
+}
+
 TEST(TemperatureByKind, IsUndefinedWithoutADegreeOfFreedom) {
   State state = empty_state(Box(3.0, 2.0, Edge::periodic));
   add_disk(state, {1.0, 1.0}, {1.0, 1.0});
