@@ -1,5 +1,7 @@
 #include "observe/local_density.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "observe/mobile.hpp"
 
 namespace gridlock {
@@ -34,9 +37,9 @@ MobileSizes sizes_of_mobile(Snapshot const& now) {
   return {count, diameters, areas};
 }
 
-/// Returns how many cells of about this length fit into a side; at most 2¹⁵.
+/// Returns how many cells of about this length fit into a side.
 std::uint64_t cells_along(double side, double length) {
-  return static_cast<std::uint64_t>(std::clamp(std::round(side / length), 1.0, 0x1p15));
+  return static_cast<std::uint64_t>(std::clamp(std::round(side / length), 1.0, 0x1p31));
 }
 
 /// Returns how many mobile agents of all processes are in each cell of a grid, row by row.
@@ -70,6 +73,11 @@ void LocalDensity::begin(Snapshot const& start) {
   double const length = side_ * (sizes.diameters > 0.0 ? sizes.diameters / sizes.count : spacing);
   columns_ = cells_along(start.box.width(), length);
   rows_ = cells_along(start.box.height(), length);
+  if (columns_ * rows_ > max_cells) {
+    throw Error({.what = fmt::format("the local density would have a grid of {} × {} cells", columns_, rows_),
+                 .hint = fmt::format("use a larger observe.local_density_side, for at most {} cells", max_cells),
+                 .key = "observe.local_density_side"});
+  }
   share_of_disk_ =
       sizes.areas > 0.0 ? sizes.areas / sizes.count * static_cast<double>(columns_ * rows_) / start.box.area() : 0.0;
 }

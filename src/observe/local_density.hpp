@@ -28,9 +28,12 @@ namespace gridlock {
 /// (2014), doi:10.1039/C3SM52813H.
 class LocalDensity final : public AveragingObservable {
  public:
+  static constexpr std::uint64_t max_cells = 10'000'000;
+
   LocalDensity(std::uint64_t every, double side) : schedule_(every), side_(side) {}
 
   [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {.columns = {X::name, Y::name}}; }
+  /// Errors: Error for more cells than max_cells.
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<Distribution> distributions() const override;

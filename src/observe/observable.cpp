@@ -76,7 +76,7 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "density_profile_bins",
                  .documentation = "Strips of a density profile, from one side of the box to the other.",
                  .min = 1.0,
-                 .max = 1e6},
+                 .max = 1e5},
                 settings.density_profile_bins);
   visitor.visit({.key = "clusters_every",
                  .unit = "samples",

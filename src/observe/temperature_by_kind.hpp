@@ -18,7 +18,8 @@ namespace gridlock {
 /// equal on average in thermal equilibrium; the mean of the two directions is the temperature of the pressures.
 /// Kinds are the different pairs of radius and mass at the start, in ascending order of the radius, then of the mass;
 /// there are columns of kinds if there are at least 2 and at most `max_kinds` of them. Disks of infinite mass are
-/// fixed, and not counted; where there are any, momentum is not conserved, and the first formula holds. Undefined for one agent alone in a periodic box.
+/// fixed, and not counted; where there are any, momentum is not conserved, and the first formula holds. Undefined for
+/// one agent alone in a periodic box.
 /// Cost: one pass over the agents, about 20 ns each. Memory: 4 bytes an agent if there are several kinds.
 /// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), chapter 4.
 class TemperatureByKind final : public AveragingObservable {

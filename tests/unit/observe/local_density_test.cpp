@@ -6,8 +6,10 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <string>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "unit/observe/hand_built.hpp"
 
 namespace gridlock {
@@ -83,6 +85,16 @@ TEST(LocalDensity, SharesOfCellsAddUpToOneOverManySamples) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) sample(density, ideal_gas(first.box, 50, 0.1, seed));
   auto const table = density.distributions()[0].columns_of_values;
   EXPECT_NEAR(std::accumulate(table[1].begin(), table[1].end(), 0.0), 1.0, 1e-13);
+}
+
+TEST(LocalDensity, RefusesAGridOfTooManyCells) {
+  State const state = ideal_gas(Box(5.0, 3.0, Edge::wall), 50, 0.1, 1);
+  try {
+    LocalDensity(1, 1e-3).begin({state, {}});
+    FAIL();
+  } catch (Error const& error) {
+    EXPECT_NE(std::string(error.what()).find("a grid of 25000 × 15000 cells"), std::string::npos) << error.what();
+  }
 }
 
 TEST(LocalDensity, LeavesFixedDisksOut) {
