@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -621,8 +620,7 @@ class BatchedMoves {
     auto const v_other = hn::Load(tag, &other.velocity.x);
     double const approach = hn::GetLane(sum(hn::Mul(hn::Sub(v_self, v_other), b)));
     if (view_.contact == CollisionRule::approaching && !(approach > 0.0)) return;
-    if (std::isinf(other.mass)) [[unlikely]]
-      return reflect_from_fixed(self, view_.box.displacement_inside(self.position, other.position), approach, counters);
+    if (other.is_fixed()) return reflect_from_fixed(view_.box, self, other, counters);
     double const along = 2.0 * approach / ((self.mass + other.mass) * hn::GetLane(sum(hn::Mul(b, b))));
     auto const change_self = hn::Mul(hn::Set(tag, -other.mass * along), b);
     auto const change_other = hn::Mul(hn::Set(tag, self.mass * along), b);

@@ -22,6 +22,8 @@ struct alignas(64) DiskInTurn {
   std::int32_t image_y;
   std::uint32_t id_index;      ///< index in the order of the Ids
   std::uint32_t row_in_state;  ///< row of the disk in the state
+
+  [[nodiscard]] bool is_fixed() const { return mass == std::numeric_limits<double>::infinity(); }
 };
 static_assert(sizeof(DiskInTurn) == 64);
 
@@ -87,9 +89,11 @@ inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& 
   return is_hit;
 }
 
-/// Reflects a disk from a fixed one at the distance b, as from a disk of infinite mass.
-[[gnu::cold]] inline void reflect_from_fixed(DiskInTurn& self, Vector b, double approach, Counters& counters) {
-  Vector const change = (-2.0 * approach / squared_length(b)) * b;
+/// Reflects a disk from a fixed one as from a disk of infinite mass; see collide().
+[[gnu::cold]] inline void reflect_from_fixed(Box const& box, DiskInTurn& self, DiskInTurn const& fixed,
+                                             Counters& counters) {
+  Vector const b = box.displacement_inside(self.position, fixed.position);
+  Vector const change = (-2.0 * dot(self.velocity, b) / squared_length(b)) * b;
   self.velocity = self.velocity + change;
   ++counters.pair_collisions;
   counters.pair_virial -= self.mass * dot(b, change);
@@ -106,8 +110,8 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
   double const approach = dot(w, b);
   if (view.contact == CollisionRule::approaching && !(approach > 0.0)) return;
   double const total_mass = self.mass + other.mass;
-  if (std::isinf(total_mass)) [[unlikely]]
-    return reflect_from_fixed(self, b, approach, counters);
+  if (other.is_fixed()) [[unlikely]]
+    return reflect_from_fixed(view.box, self, other, counters);
   double const along = 2.0 * approach / (total_mass * squared_length(b));
   Vector const change_self = (-other.mass * along) * b;
   Vector const change_other = (self.mass * along) * b;
