@@ -66,6 +66,10 @@ void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
 }
 
 void describe(DisksSettings& settings, SettingVisitor& visitor) {
+  static constexpr std::string_view region =
+      "Left, bottom, right and top of the part of the box that the disks of the start fill, as if walls were around "
+      "it; "
+      "packing_fraction is that of this part. Not for a file.";
   static constexpr std::array<std::string_view, 5> starts{"square", "triangular", "random", "uniform", "file"};
   static constexpr std::array<std::string_view, 4> distributions{"equal", "inverse_cube", "uniform", "normal"};
   visitor.visit({.key = "count",
@@ -125,6 +129,8 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
                  .documentation = "The frame of disks.file to start from, counted from 0, where it has several.",
                  .default_note = "the only one"},
                 settings.frame);
+  visitor.visit({.key = "region", .unit = "length", .documentation = region, .default_note = "the whole box"},
+                settings.region);
   visitor.visit_tables(
       {.key = "species",
        .documentation = "The kinds of disks in a mixture, assigned at random.",

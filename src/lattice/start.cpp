@@ -1,6 +1,7 @@
 #include "gridlock/lattice/start.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -261,18 +262,44 @@ Box make_box(BoxSettings const& settings) {
 
 std::uint64_t count_of(DisksSettings const& settings) { return settings.count.value_or(841); }
 
+namespace {
+
+/// Returns the part of the box that the disks fill, with walls around it. Errors: Error for a region outside the box.
+Box box_of_region(Box const& box, std::vector<double> const& region) {
+  if (region.empty()) return box;
+  bool const is_inside = region.size() == 4 && region[0] >= 0.0 && region[1] >= 0.0 && region[2] <= box.width() &&
+                         region[3] <= box.height() && region[0] < region[2] && region[1] < region[3];
+  if (!is_inside) {
+    throw Error({.what = fmt::format("disks.region = [{:.6g}] is no part of the box of {} × {}",
+                                     fmt::join(region, ", "), box.width(), box.height()),
+                 .hint = "give left, bottom, right and top of a rectangle inside the box, as in [0, 0, 1, 0.5]",
+                 .key = "disks.region"});
+  }
+  return {region[2] - region[0], region[3] - region[1], Edge::wall};
+}
+
+}  // namespace
+
 struct StartOfDisks::Plan {
-  Box box;
+  Box whole_box;
+  Box box;  ///< the part of it that the disks fill
+  Vector corner;
   std::uint64_t seed = 0;
   Kinds kinds;
   double radius = 0.0;
   SiteOf site_of = {};
 };
 
-StartOfDisks::StartOfDisks(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
+StartOfDisks::StartOfDisks(Box const& whole_box, DisksSettings const& settings, std::uint64_t seed) {
   std::uint64_t const count = count_of(settings);
   if (count == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
-  plan_ = std::make_unique<Plan>(Plan{.box = box, .seed = seed, .kinds = Kinds(settings, count, seed)});
+  plan_ = std::make_unique<Plan>(Plan{.whole_box = whole_box,
+                                      .box = box_of_region(whole_box, settings.region),
+                                      .corner = {},
+                                      .seed = seed,
+                                      .kinds = Kinds(settings, count, seed)});
+  if (!settings.region.empty()) plan_->corner = {settings.region[0], settings.region[1]};
+  Box const& box = plan_->box;
   Kinds const& kinds = plan_->kinds;
   double& radius = plan_->radius;
   if (settings.start == StartKind::file) {
@@ -296,12 +323,13 @@ StartOfDisks::StartOfDisks(StartOfDisks&&) noexcept = default;
 std::uint64_t StartOfDisks::count() const { return plan_->kinds.count(); }
 
 DiskAtStart StartOfDisks::disk(std::uint64_t i) const {
-  return {
-      .site = plan_->site_of(i), .radius = plan_->radius * plan_->kinds.size_ratio(i), .mass = plan_->kinds.mass(i)};
+  return {.site = plan_->corner + plan_->site_of(i),
+          .radius = plan_->radius * plan_->kinds.size_ratio(i),
+          .mass = plan_->kinds.mass(i)};
 }
 
 State StartOfDisks::all() const {
-  State state{.box = plan_->box, .seed = plan_->seed};
+  State state{.box = plan_->whole_box, .seed = plan_->seed};
   state.agents.reserve(count());
   for (std::uint64_t i = 0; i < count(); ++i) {
     DiskAtStart const of_row = disk(i);
@@ -314,7 +342,8 @@ State make_start(Box const& box, DisksSettings const& settings, std::uint64_t se
   return StartOfDisks(box, settings, seed).all();
 }
 
-double expected_attempts(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
+double expected_attempts(Box const& whole_box, DisksSettings const& settings, std::uint64_t seed) {
+  Box const box = box_of_region(whole_box, settings.region);
   std::uint64_t const count = count_of(settings);
   if (settings.start != StartKind::random || count == 0) return 0.0;
   InsertionTrial const trial(box, settings, count, seed);

@@ -137,6 +137,28 @@ std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Di
                           {"error_percent", 100.0 * error_per_flight * scales.flight}}};
 }
 
+/// Returns a note where collisions may come without end. With e of 0.95 or more that takes far more disks than runs have.
+std::optional<Event> may_collapse(CollisionSettings const& collisions) {
+  double const lowest = std::min(collisions.restitution, collisions.of_walls());
+  if (lowest >= 0.95 || collisions.contact_time > 0.0) return std::nullopt;
+  return Event{.kind = EventKind::losing_energy, .key = "collisions.contact_time", .values = {{"restitution", lowest}}};
+}
+
+/// Throws Error for disks that would fall without end, ever faster.
+void require_floor(EngineSettings const& settings, State const& state) {
+  bool const is_held = settings.thermostat.kind != ThermostatKind::none || settings.collisions.lose_energy();
+  auto const refuse = [&](std::string const& axis, double gravity) {
+    throw Error(
+        {.what = fmt::format("gravity.{} = {} along periodic edges: the disks would fall without end, ever faster",
+                             axis, gravity),
+         .hint = fmt::format("use box.edge = \"wall\", or a thermostat, whose kicks make them drift"),
+         .key = fmt::format("gravity.{}", axis)});
+  };
+  if (is_held) return;
+  if (settings.gravity.x != 0.0 && state.box.is_periodic()) refuse("x", settings.gravity.x);
+  if (settings.gravity.y != 0.0 && state.box.is_periodic()) refuse("y", settings.gravity.y);
+}
+
 std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings const& velocities) {
   if (disks.largest_speed > 0.0) return std::nullopt;
   return Event{.kind = EventKind::nothing_moves, .key = velocities.max > 0.0 ? "disks.file" : "velocities.max"};
@@ -228,6 +250,9 @@ class DisksKind final : public ModelKind {
       return "disks.file";
     }
     if (key.starts_with("soft.") && configuration.protocol.empty()) return "no [[protocol]]";
+    if (key == "collisions.contact_time" && !configuration.engine.collisions.lose_energy()) {
+      return "collisions.restitution = 1";
+    }
     if (key.starts_with("thermostat.")) return unused_of_thermostat(configuration.engine.thermostat.kind, key);
     if (!key.starts_with(table)) return "";
     EngineSettings const& engine = configuration.engine;
@@ -333,7 +358,9 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
   require_short_substeps(settings, disks);
   if (auto note = misleading_rule(box, disks, engine_record(settings.kind))) setup.notes.push_back(*std::move(note));
   bool const has_thermostat = settings.thermostat.kind != ThermostatKind::none;
-  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !has_thermostat) {
+  if (auto note = may_collapse(settings.collisions)) setup.notes.push_back(*std::move(note));
+  bool const falls = settings.gravity.exists();
+  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !has_thermostat && !falls) {
     setup.notes.push_back(*std::move(note));
   }
   if (auto note = wait_for_fast_disks(settings, disks)) setup.notes.push_back(*std::move(note));
@@ -358,7 +385,8 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   settings.processes = processes;
   processes.agree([&] {
     if (has_speed) require_bounded_step(configuration.engine, all);
-    bool const is_moved = configuration.engine.thermostat.kind != ThermostatKind::none;
+    bool const is_moved =
+        configuration.engine.thermostat.kind != ThermostatKind::none || configuration.engine.gravity.exists();
     if (configuration.protocol.empty() && ends_with_collisions(run) && !is_moved) require_motion(all);
   });
   if (!configuration.protocol.empty()) {
@@ -366,6 +394,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
     setup.simulation = prepared_simulation(configuration, settings, std::move(own));
     return;
   }
+  require_floor(settings, own);
   std::unique_ptr<Engine> engine = engine_for(own, setup.start_file, settings);
   processes.agree([&] { check_disks(setup, settings, own.box, own.clock, all); });
   EngineRecord const& record = engine_record(settings.kind);

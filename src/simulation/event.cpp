@@ -15,12 +15,13 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 39> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 40> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
                                                       "thermostat",
+                                                      "losing_energy",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
                                                       "stage_with_two_ends",
@@ -142,6 +143,12 @@ std::string text_of_setup(Event const& event) {
                                        : "velocities.max is 0: nothing moves";
     case EventKind::thermostat:
       return text_of_thermostat(of);
+    case EventKind::losing_energy:
+      return fmt::format(
+          "collisions with a restitution of {:.6g} can come without end in a finite time, the inelastic collapse, "
+          "which "
+          "ends a run; collisions.contact_time, far shorter than the time between collisions, is a remedy",
+          of.number("restitution"));
     case EventKind::fast_on_ranks:
       return fmt::format(
           "some disks are {:.3g} times as fast as engine.speed = {:.6g}: on ranks such disks wait for one another, and "

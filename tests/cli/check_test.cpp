@@ -80,7 +80,7 @@ TEST(Check, OfASmallRunEstimatesNothing) {
 }
 
 TEST(UnknownTable, ThatGridlockHasNotIsSaidToBeLacking) {
-  for (std::string const word : {"langevin", "gravity", "pressure", "tilt", "barostat"}) {
+  for (std::string const word : {"langevin", "friction", "pressure", "tilt", "barostat"}) {
     Workplace const workplace;
     write(workplace / "a.toml", "[" + word + "]\nvalue = 1.0\n");
     Outcome const outcome = in(workplace, {"check", "a.toml"});
@@ -111,7 +111,8 @@ TEST(Explain, FindsWhatANewcomerLooksFor) {
                            {"quench", {"a stage of a [[protocol]]"}},
                            {"sweep", {"[sweep] lists values", "gridlock sweep"}},
                            {"shear", {"Gridlock has no shear", "limits", "shear_modulus"}},
-                           {"gravity", {"Gridlock has no gravity"}}}) {
+                           {"gravity", {"gravity.y", "length / time²"}},
+                           {"friction", {"Gridlock has no friction"}}}) {
     Outcome const outcome = in(workplace, {"explain", word});
     expect_good(outcome);
     expect_words(outcome.out, found);

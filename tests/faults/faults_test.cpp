@@ -221,6 +221,10 @@ INSTANTIATE_TEST_SUITE_P(
                          "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\n"
                          "thermostat.kind = \"andersen\"",
                          false},
+                    Kind{"grains_within_steps",
+                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\ngravity.y = -1.0\n"
+                         "collisions.restitution = 0.95\ncollisions.contact_time = 1e-3",
+                         false},
                     Kind{"births_and_deaths",
                          "run.steps = 1200\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
                          "epidemic.turnover_rate = 0.02\nengine.threads = 2"},

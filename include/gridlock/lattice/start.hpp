@@ -63,7 +63,8 @@ struct DisksSettings {
   /// inverse_cube s² = artanh(z)/z − 1, uniform s = z/√3, normal s = 0.3289 z.
   std::optional<double> size_spread;
   StartKind start = StartKind::square;
-  std::string file;                      ///< extended XYZ; giving it implies start = "file"
+  std::vector<double> region;  ///< left, bottom, right, top: the disks fill this part of the box; empty: all of it
+  std::string file;            ///< extended XYZ; giving it implies start = "file"
   std::optional<std::uint64_t> frame;    ///< frame of the file, from 0; default: its only frame
   std::vector<SpeciesSettings> species;  ///< empty: equal disks of mass 1
 };

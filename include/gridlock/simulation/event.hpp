@@ -29,6 +29,7 @@ enum class EventKind {
   frames_beyond_end,    ///< the trajectory settings name frames beyond the end of the run
   nothing_moves,        ///< no disk has a velocity
   thermostat,           ///< the diffusion of a free disk by the thermostat, and its error
+  losing_energy,        ///< collisions lose energy, and no contact lasts
   fast_on_ranks,        ///< disks are so fast that processes often wait for one another
   start_not_tried,      ///< the start would take long and was left out
   stage_with_two_ends,  ///< a stage has two ends; it stops at the first

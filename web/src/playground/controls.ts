@@ -22,6 +22,8 @@ const THERMOSTAT_KEYS: Readonly<Record<string, readonly string[]>> = {
   andersen: ["thermostat.kind", "thermostat.temperature", "thermostat.rate"],
   brownian: ["thermostat.kind", "thermostat.temperature", "thermostat.interval"],
 };
+/** Of the engine exact: grains. */
+const GRAIN_KEYS = ["collisions.restitution", "gravity.y"];
 const COMMON_KEYS = ["box.edge", "run.seed"];
 
 const NAMES: Readonly<Record<string, string>> = {
@@ -35,6 +37,8 @@ const NAMES: Readonly<Record<string, string>> = {
   "engine.cells": "Cells k",
   "thermostat.kind": "Thermostat",
   "thermostat.temperature": "Temperature kT",
+  "collisions.restitution": "Restitution e",
+  "gravity.y": "Gravity",
   "box.edge": "Edge of the box",
   "run.seed": "Seed",
 };
@@ -44,6 +48,8 @@ const RANGES: Readonly<Record<string, Range>> = {
   "velocities.max": { least: 0, most: 5 },
   "engine.time_step": { least: 0.005, most: 0.5, logarithmic: true },
   "engine.cells": { least: 1, most: 60, integer: true },
+  "collisions.restitution": { least: 0.1, most: 1 },
+  "gravity.y": { least: -10, most: 10 },
   "run.seed": { least: 1, most: 100, integer: true },
 };
 
@@ -60,7 +66,7 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
 function keysOfEngine(values: Values): string[] {
   if (values["engine.kind"] !== "exact") return ENGINE_KEYS;
   const thermostat = THERMOSTAT_KEYS[String(values["thermostat.kind"] ?? "none")] ?? [];
-  return [...ENGINE_KEYS.filter((key) => key !== "engine.contact"), ...thermostat];
+  return [...ENGINE_KEYS.filter((key) => key !== "engine.contact"), ...thermostat, ...GRAIN_KEYS];
 }
 
 function isSimple(setting: SettingDescription): boolean {
