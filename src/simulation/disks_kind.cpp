@@ -137,7 +137,7 @@ std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Di
                           {"error_percent", 100.0 * error_per_flight * scales.flight}}};
 }
 
-/// Returns a note where collisions may come without end. With e of 0.95 or more that takes far more disks than runs have.
+/// Returns a note where collisions may come without end. With e of 0.95 or more that takes more disks than runs have.
 std::optional<Event> may_collapse(CollisionSettings const& collisions) {
   double const lowest = std::min(collisions.restitution, collisions.of_walls());
   if (lowest >= 0.95 || collisions.contact_time > 0.0) return std::nullopt;

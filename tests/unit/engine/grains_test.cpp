@@ -1,0 +1,123 @@
+#include "gridlock/engine/grains.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/lattice/start.hpp"
+#include "gridlock/simulation/setup.hpp"
+
+namespace gridlock {
+namespace {
+
+State two_disks() {
+  State state{.box = Box(3.0, 2.0, Edge::wall), .seed = 9};
+  state.agents.add(1.0, 1.0, 1.0, 0.0, 0.25, 1.0, 0, 0);
+  state.agents.add(2.0, 1.0, -1.0, 0.0, 0.25, 1.0, 0, 0);
+  return state;
+}
+
+std::string problem_of(EngineSettings const& settings, State const& state) {
+  try {
+    make_engine(settings, state);
+  } catch (Error const& error) {
+    return error.problems().front().key + ": " + error.problems().front().what;
+  }
+  return "";
+}
+
+TEST(Walls, AreRefusedOutsideTheBoxAndAcrossDisks) {
+  auto const problem = [](WallSettings const& wall) {
+    return problem_of({.kind = "exact", .walls = {{.from = {0.0, 0.0}, .to = {0.5, 0.0}}, wall}}, two_disks());
+  };
+  EXPECT_EQ(problem({.from = {0.1, 0.2}, .to = {0.1}}), "walls[1]: wall 2 has 2 and 1 numbers for its two points");
+  EXPECT_EQ(problem({.from = {0.1, 0.2}, .to = {0.1, 2.5}}),
+            "walls[1]: wall 2 has a point (0.1, 2.5) outside the box of 3 × 2");
+  EXPECT_EQ(problem({.from = {0.1, 0.2}, .to = {0.1, 0.2}}), "walls[1]: wall 2 is the point (0.1, 0.2)");
+  EXPECT_EQ(problem({.from = {1.2, 0.0}, .to = {1.2, 2.0}}),
+            "walls: disk 0 at (1, 1) of radius 0.25 overlaps the wall from (1.2, 0) to (1.2, 2) by 0.05");
+  EXPECT_EQ(problem({.from = {1.25, 0.0}, .to = {1.25, 2.0}}), "");
+}
+
+TEST(Grains, AreRefusedByEnginesWithATimeStep) {
+  for (char const* kind : {"stepped", "tiled"}) {
+    std::string const engine = std::string("the engine \"") + kind + "\" has no ";
+    EXPECT_EQ(problem_of({.kind = kind, .gravity = {.y = -1.0}}, two_disks()), "gravity: " + engine + "gravity");
+    EXPECT_EQ(problem_of({.kind = kind, .collisions = {.wall_restitution = 0.5}}, two_disks()),
+              "collisions.restitution: " + engine + "collisions that lose energy");
+    EXPECT_EQ(problem_of({.kind = kind, .walls = {{.from = {0.0, 0.0}, .to = {0.5, 0.0}}}}, two_disks()),
+              "walls: " + engine + "walls inside the box");
+  }
+}
+
+TEST(FixedDisks, StopOthersInEveryEngineAndStay) {
+  for (std::string const& kind : engine_kinds()) {
+    State state = two_disks();
+    state.agents.column<Mass>()[1] = std::numeric_limits<double>::infinity();
+    state.agents.column<VelocityX>()[1] = 0.0;
+    Counters counters;
+    make_engine({.kind = kind}, state)->advance(state, counters, {.time = 0.9});
+    EXPECT_EQ(counters.pair_collisions, 1U) << kind;
+    EXPECT_EQ(velocity(state.agents, 0), (Vector{-1.0, 0.0})) << kind;
+    EXPECT_EQ(position(state.agents, 1), (Vector{2.0, 1.0})) << kind;
+    EXPECT_EQ(kinetic_energy(state.agents), 0.5) << kind;
+  }
+}
+
+Configuration falling(Edge edge) {
+  Configuration configuration;
+  configuration.box = {.edge = edge, .width = 3.0, .height = 2.0};
+  configuration.disks = {.count = 20, .packing_fraction = 0.2};
+  configuration.engine.kind = "exact";
+  configuration.engine.gravity.y = -1.0;
+  return configuration;
+}
+
+TEST(Gravity, AlongPeriodicEdgesNeedsSomethingThatHoldsTheDisks) {
+  EXPECT_NO_THROW(set_up(falling(Edge::wall)));
+  try {
+    set_up(falling(Edge::periodic));
+    FAIL();
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems().front().key, "gravity.y");
+  }
+  Configuration kicked = falling(Edge::periodic);
+  kicked.engine.thermostat.kind = ThermostatKind::brownian;
+  EXPECT_NO_THROW(set_up(kicked));
+}
+
+TEST(Restitution, ThatMayCollapseIsNotedUnlessContactsLast) {
+  auto const has_note = [](double restitution, double contact_time) {
+    Configuration configuration = falling(Edge::wall);
+    configuration.engine.collisions = {.restitution = restitution, .contact_time = contact_time};
+    for (Event const& note : set_up(configuration).notes) {
+      if (note.kind == EventKind::losing_energy) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(has_note(0.8, 0.0));
+  EXPECT_FALSE(has_note(0.8, 1e-4));
+  EXPECT_FALSE(has_note(0.99, 0.0));
+}
+
+TEST(Region, HoldsTheWholeStartWhateverItsKind) {
+  for (StartKind const start : {StartKind::square, StartKind::triangular, StartKind::random}) {
+    DisksSettings const disks{.count = 50, .packing_fraction = 0.4, .start = start, .region = {1.0, 0.5, 2.5, 1.5}};
+    State const state = make_start(Box(3.0, 2.0, Edge::periodic), disks, 1);
+    EXPECT_EQ(state.box, Box(3.0, 2.0, Edge::periodic));
+    EXPECT_NEAR(covered_area(state.agents), 0.4 * 1.5, 1e-12);
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      Vector const p = position(state.agents, i);
+      double const r = state.agents.column<Radius>()[i] * (1.0 - 1e-12);
+      EXPECT_TRUE(p.x >= 1.0 + r && p.x <= 2.5 - r && p.y >= 0.5 + r && p.y <= 1.5 - r) << p.x << ", " << p.y;
+    }
+  }
+  EXPECT_THROW(make_start(Box(3.0, 2.0, Edge::wall), {.count = 5, .radius = 0.1, .region = {1.0, 0.5, 2.5, 2.5}}, 1),
+               Error);
+}
+
+}  // namespace
+}  // namespace gridlock
