@@ -121,13 +121,10 @@ ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
       duration_(step_duration(settings, state)),
       thread_count_(settings.threads),
       thermostat_settings_(resolved(settings.thermostat, state)),
-      losses_{.restitution = settings.collisions.restitution,
-              .wall_restitution = settings.collisions.of_walls(),
-              .contact_time = settings.collisions.contact_time},
+      collisions_(settings.collisions),
       gravity_(settings.gravity.acceleration()),
       walls_(settings.walls) {
-  require_exact_start(state);
-  require_room_beside_walls(state, walls_);
+  ExactEngine::require_valid(state);
 }
 
 ExactEngine::~ExactEngine() = default;
@@ -135,12 +132,13 @@ ExactEngine::~ExactEngine() = default;
 void ExactEngine::require_valid(State const& state) const {
   require_exact_start(state);
   require_room_beside_walls(state, walls_);
+  static_cast<void>(exact::losses_for(collisions_, state.agents));
 }
 
 std::vector<Count> ExactEngine::counts(State const& state, Counters const& counters) const {
   std::vector<Count> counts = Engine::counts(state, counters);
   if (!walls_.empty()) counts.push_back({"inner_wall_hits", counters.inner_wall_hits});
-  if (losses_.contact_time > 0.0) counts.push_back({"elastic_contacts", elastic_contacts()});
+  if (collisions_.contact_time > 0.0) counts.push_back({"elastic_contacts", elastic_contacts()});
   std::ranges::move(audits(), std::back_inserter(counts));
   return counts;
 }
@@ -174,8 +172,10 @@ void ExactEngine::make_dynamics(State const& state) {
     threads_ = std::make_unique<ThreadPool>(thread_count_);
   }
   std::vector<Obstacle> const walls = obstacles_of(walls_);
-  exact::DynamicsOptions options{
-      .sharing = {.threads = threads_.get()}, .gravity = gravity_, .losses = losses_, .walls = walls};
+  exact::DynamicsOptions options{.sharing = {.threads = threads_.get()},
+                                 .gravity = gravity_,
+                                 .losses = exact::losses_for(collisions_, state.agents),
+                                 .walls = walls};
   if (thermostat_) options.thermal_speed_squared = thermal_speed_squared(state, *thermostat_settings_.temperature);
   dynamics_ = std::make_unique<exact::Dynamics>(state, options);
 }
@@ -280,7 +280,7 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
     archive.visit("audits", all_audits);
     if (archive.is_restoring()) earlier_audits_ = all_audits;
   }
-  if (losses_.contact_time > 0.0) {
+  if (collisions_.contact_time > 0.0) {
     std::uint64_t all_contacts = elastic_contacts();
     archive.visit("elastic_contacts", all_contacts);
     if (archive.is_restoring()) earlier_contacts_ = all_contacts;

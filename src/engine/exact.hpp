@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "engine/exact/left_state.hpp"
-#include "engine/exact/losses.hpp"
 #include "engine/exact/thermostat.hpp"
 #include "gridlock/engine/engine.hpp"
 
@@ -73,7 +72,7 @@ class ExactEngine final : public Engine {
   double duration_;
   std::uint64_t thread_count_;
   ThermostatSettings thermostat_settings_;  // resolved
-  exact::Losses losses_;
+  CollisionSettings collisions_;
   Vector gravity_;
   std::vector<WallSettings> walls_;
   std::uint64_t earlier_contacts_ = 0;         // elastic contacts of dynamics that have been replaced

@@ -17,6 +17,18 @@ SettingInfo restitution_info(std::string_view key, std::string_view documentatio
   return {.key = key, .documentation = documentation, .min = 0.0, .max = 1.0, .min_is_allowed = false};
 }
 
+/// Visits e by kind. Bounds are checked here, since visitors check those of single numbers only.
+void visit_by_kind(SettingVisitor& visitor, std::string_view key, std::string_view documentation,
+                   std::vector<double>& values) {
+  visitor.visit({.key = key, .documentation = documentation, .default_note = "the same for all kinds"}, values);
+  for (double const e : values) {
+    if (e > 0.0 && e <= 1.0) continue;
+    throw Error({.what = fmt::format("collisions.{} has the number {}, which is no coefficient of restitution", key, e),
+                 .hint = "use numbers above 0 and up to 1",
+                 .key = fmt::format("collisions.{}", key)});
+  }
+}
+
 void require_in_box(Box const& box, WallSettings const& wall, std::size_t k) {
   std::string const key = fmt::format("walls[{}]", k);
   if (wall.from.size() != 2 || wall.to.size() != 2) {
@@ -57,6 +69,21 @@ void describe(CollisionSettings& settings, SettingVisitor& visitor) {
        .min = 0.0,
        .max = max_magnitude},
       settings.contact_time);
+  visit_by_kind(
+      visitor, "restitution_by_kind",
+      "e of two disks by their kinds, AA, AB, …, BB, …: kinds of equal radius and mass, by radius and then by "
+      "mass in ascending order.",
+      settings.restitution_by_kind);
+  visit_by_kind(visitor, "wall_restitution_by_kind", "e of a disk and a wall by the kind of the disk, A, B, ….",
+                settings.wall_restitution_by_kind);
+}
+
+double CollisionSettings::lowest() const {
+  double lowest =
+      std::min(restitution_by_kind.empty() ? restitution : 1.0, wall_restitution_by_kind.empty() ? of_walls() : 1.0);
+  for (double const e : restitution_by_kind) lowest = std::min(lowest, e);
+  for (double const e : wall_restitution_by_kind) lowest = std::min(lowest, e);
+  return lowest;
 }
 
 void describe(GravitySettings& settings, SettingVisitor& visitor) {

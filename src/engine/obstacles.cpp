@@ -21,7 +21,8 @@ std::size_t cells_along(double length, double side) {
 }  // namespace
 
 std::string to_text(Obstacle const& obstacle) {
-  auto const [from, to, radius] = obstacle;
+  Vector const from = obstacle.from;
+  Vector const to = obstacle.to;
   if (obstacle.is_disk()) return fmt::format("the fixed disk at ({:.6g}, {:.6g})", from.x, from.y);
   return fmt::format("the wall from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g})", from.x, from.y, to.x, to.y);
 }
@@ -43,7 +44,7 @@ Obstacles::Obstacles(Box const& box, std::span<Obstacle const> obstacles, double
     for (double n = -last_image; n <= last_image; n += 1.0) {
       for (double m = -last_image; m <= last_image; m += 1.0) {
         Vector const shift{n * box.width(), m * box.height()};
-        Obstacle const image{obstacle.from + shift, obstacle.to + shift, obstacle.radius};
+        Obstacle const image{obstacle.from + shift, obstacle.to + shift, obstacle.radius, obstacle.kind};
         bool const is_near =
             std::max(image.from.x, image.to.x) >= -reach && std::min(image.from.x, image.to.x) <= box.width() + reach &&
             std::max(image.from.y, image.to.y) >= -reach && std::min(image.from.y, image.to.y) <= box.height() + reach;

@@ -19,6 +19,7 @@ struct Obstacle {
   Vector from;
   Vector to;
   double radius = 0.0;
+  std::uint8_t kind = 0;  ///< kind of a fixed disk, where collisions tell kinds apart
 
   [[nodiscard]] bool is_disk() const { return radius > 0.0; }
   /// Returns the point of the line that is nearest to p.

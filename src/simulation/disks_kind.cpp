@@ -139,7 +139,7 @@ std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Di
 
 /// Returns a note where collisions may come without end. With e of 0.95 or more that takes more disks than runs have.
 std::optional<Event> may_collapse(CollisionSettings const& collisions) {
-  double const lowest = std::min(collisions.restitution, collisions.of_walls());
+  double const lowest = collisions.lowest();
   if (lowest >= 0.95 || collisions.contact_time > 0.0) return std::nullopt;
   return Event{.kind = EventKind::losing_energy, .key = "collisions.contact_time", .values = {{"restitution", lowest}}};
 }

@@ -38,6 +38,7 @@ struct GrainsCase {
   bool has_walls = false;
   double interval = 0.0;  ///< of a Brownian thermostat
   double smallest_ratio = 1.0;
+  std::vector<double> by_kind = {};  ///< restitution of kinds: two that move and one that is fixed
 
   friend std::ostream& operator<<(std::ostream& out, GrainsCase const& c) { return out << c.name; }
 };
@@ -54,6 +55,7 @@ std::vector<GrainsCase> cases() {
           {.name = "walls_in_periodic_box", .edge = Edge::periodic, .has_walls = true, .smallest_ratio = 0.5},
           {.name = "falling_on_fixed", .gravity = {0.1, -2.0}, .fixed = 4},
           {.name = "falling_on_walls", .gravity = {0.0, -2.0}, .has_walls = true, .smallest_ratio = 0.5},
+          {.name = "by_kind", .edge = Edge::periodic, .fixed = 5, .by_kind = {0.9, 0.8, 0.5, 0.7, 1.0, 1.0}},
           {.name = "everything",
            .restitution = 0.8,
            .contact_time = 1e-3,
@@ -72,11 +74,12 @@ class Grains : public testing::TestWithParam<GrainsCase> {
   }
   static EngineSettings settings() {
     GrainsCase const& c = GetParam();
-    EngineSettings settings{.kind = "exact",
-                            .audit_every = 7,
-                            .collisions = {.restitution = c.restitution, .contact_time = c.contact_time},
-                            .gravity = {.x = c.gravity.x, .y = c.gravity.y},
-                            .walls = walls()};
+    EngineSettings settings{
+        .kind = "exact",
+        .audit_every = 7,
+        .collisions = {.restitution = c.restitution, .contact_time = c.contact_time, .restitution_by_kind = c.by_kind},
+        .gravity = {.x = c.gravity.x, .y = c.gravity.y},
+        .walls = walls()};
     if (c.interval > 0.0) {
       settings.thermostat = {.kind = ThermostatKind::brownian, .temperature = 0.3, .interval = c.interval};
     }
@@ -92,6 +95,9 @@ class Grains : public testing::TestWithParam<GrainsCase> {
                                 .heaviest_mass = c.smallest_ratio < 1.0 ? 4.0 : 1.0,
                                 .seed = seed});
     Disks& disks = state.agents;
+    for (std::size_t i = 0; i < disks.size() && !c.by_kind.empty(); ++i) {
+      disks.column<Mass>()[i] = disks.ids()[i] % 2 == 0 ? 1.0 : 2.0;
+    }
     std::vector<Id> const ids(disks.ids().begin(), disks.ids().end());
     for (Id const id : ids) {
       std::size_t const i = disks.index_of(id);
@@ -175,13 +181,11 @@ TEST_P(Grains, HaveTheSameBitsWithAnyCellsAndWithLists) {
   std::vector<Obstacle> const obstacles = obstacles_of(walls());
   constexpr std::uint64_t never_that_many = 1'000'000;
   auto const end = [&](exact::Lists lists, double size_of_cells) {
-    exact::Dynamics dynamics(
-        begin,
-        {.size_of_cells = size_of_cells,
-         .lists = lists,
-         .gravity = c.gravity,
-         .losses = {.restitution = c.restitution, .wall_restitution = c.restitution, .contact_time = c.contact_time},
-         .walls = obstacles});
+    exact::Dynamics dynamics(begin, {.size_of_cells = size_of_cells,
+                                     .lists = lists,
+                                     .gravity = c.gravity,
+                                     .losses = exact::losses_for(settings().collisions, begin.agents),
+                                     .walls = obstacles});
     Counters counters;
     dynamics.run(4.0, never_that_many, 50, counters);
     State state = begin;
@@ -215,7 +219,7 @@ TEST_P(Grains, KeepTheirEnergyUnlessCollisionsLoseIt) {
   without_bath.thermostat = {};
   make_engine(without_bath, state)->advance(state, counters, {.time = 6.0});
   double const change = energy(state, g) / before - 1.0;
-  if (GetParam().restitution == 1.0) {
+  if (GetParam().restitution == 1.0 && GetParam().by_kind.empty()) {
     EXPECT_NEAR(change, 0.0, 1e-11);
   } else {
     EXPECT_LT(change, -0.1);
@@ -223,7 +227,7 @@ TEST_P(Grains, KeepTheirEnergyUnlessCollisionsLoseIt) {
 }
 
 TEST_P(Grains, FlyBackWhereTheyCameFromIfTheyLoseNoEnergy) {
-  if (GetParam().restitution != 1.0 || GetParam().interval > 0.0) return;
+  if (settings().collisions.lose_energy() || GetParam().interval > 0.0) return;
   State state = start(9);
   State const begin = state;
   Counters counters;
@@ -240,6 +244,25 @@ TEST_P(Grains, FlyBackWhereTheyCameFromIfTheyLoseNoEnergy) {
     EXPECT_NEAR(d.x, 0.0, 1e-8) << i;
     EXPECT_NEAR(d.y, 0.0, 1e-8) << i;
   }
+}
+
+TEST(GrainsOfKinds, LoseByTheKindsThatCollide) {
+  // Disks 0 and 1 are of kind A, disk 2 is heavier and of kind B: e is 0.5 of AA, 0.8 of AB, and 0.25 of B and walls.
+  State state{.box = Box(20.0, 3.0, Edge::wall)};
+  state.agents.add(2.0, 1.5, 1.0, 0.0, 0.5, 1.0, 0, 0);
+  state.agents.add(4.0, 1.5, -1.0, 0.0, 0.5, 1.0, 0, 0);
+  state.agents.add(18.0, 1.5, 2.0, 0.0, 0.5, 3.0, 0, 0);
+  EngineSettings const settings{
+      .kind = "exact", .collisions = {.restitution_by_kind = {0.5, 0.8, 1.0}, .wall_restitution_by_kind = {1.0, 0.25}}};
+  Counters counters;
+  make_engine(settings, state)->advance(state, counters, {.time = 2.0});
+  EXPECT_NEAR(state.agents.column<VelocityX>()[0], -0.5, 1e-14);
+  EXPECT_NEAR(state.agents.column<VelocityX>()[1], 0.5, 1e-14);
+  EXPECT_NEAR(state.agents.column<VelocityX>()[2], -0.5, 1e-14);
+  make_engine(settings, state)->advance(state, counters, {.pair_collisions = counters.pair_collisions + 1});
+  // Masses 1 and 3, relative velocity 1 before and −0.8 after, momentum 0.5 − 1.5.
+  EXPECT_NEAR(state.agents.column<VelocityX>()[1], -0.25 - 0.8 * 0.75, 1e-14);
+  EXPECT_NEAR(state.agents.column<VelocityX>()[2], -0.25 + 0.8 * 0.25, 1e-14);
 }
 
 TEST(GrainsOfMany, HaveTheBitsOfOneThreadOnAnyNumber) {

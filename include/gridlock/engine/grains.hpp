@@ -16,6 +16,7 @@
 /// make_engine(grains, state)->advance(state, counters, {.time = 1.0});
 /// ```
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -34,10 +35,18 @@ struct CollisionSettings {
   double restitution = 1.0;                ///< e of two disks, one of which may be fixed
   std::optional<double> wall_restitution;  ///< e of a disk and a wall; left out: restitution
   double contact_time = 0.0;               ///< 0: no contact lasts
+  /// e of two disks by their kinds, AA, AB, …, BB, …: kinds of equal radius and mass, by radius and then by mass in
+  /// ascending order. Empty: `restitution` for all.
+  std::vector<double> restitution_by_kind = {};
+  std::vector<double> wall_restitution_by_kind = {};  ///< e of a disk of kind A, B, … and a wall; empty: of_walls()
 
   [[nodiscard]] double of_walls() const { return wall_restitution.value_or(restitution); }
-  [[nodiscard]] bool lose_energy() const { return restitution != 1.0 || of_walls() != 1.0; }
+  /// Returns the smallest e of any collision.
+  [[nodiscard]] double lowest() const;
+  [[nodiscard]] bool lose_energy() const { return lowest() != 1.0; }
 };
+/// Largest number of kinds of disks that collisions tell apart.
+inline constexpr std::size_t max_kinds_in_collisions = 64;
 void describe(CollisionSettings& settings, SettingVisitor& visitor);
 
 /// The settings `[gravity]`, which the engine `exact` knows: the acceleration of every disk that is not fixed.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "engine/exact/saved_disks.hpp"
 #include "engine/exact/strips.hpp"
@@ -29,6 +30,11 @@ constexpr double max_diameters_in_epoch = 16.0;
 constexpr double max_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;
 constexpr double min_diameters_in_epoch = 2.0;
+
+std::uint8_t kind_in(Kinds const& kinds, Disks const& disks, std::size_t row) {
+  std::pair const kind{disks.column<Radius>()[row], disks.column<Mass>()[row]};
+  return static_cast<std::uint8_t>(std::ranges::lower_bound(kinds, kind) - kinds.begin());
+}
 
 }  // namespace
 
@@ -71,6 +77,7 @@ void Dynamics::read_disks(State const& state) {
       rows, [&](std::uint32_t row) { return radius[row] != equal_radius_ || mass[row] != equal_mass_; });
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
+  Kinds const kinds = losses_.kinds > 1 ? kinds_of(disks) : Kinds{};
   double mean_mass = 0.0;  // summed in the order of the Ids
   for (std::uint32_t id_index = 0; id_index < size_; ++id_index) {
     std::uint32_t const row = rows[id_index];
@@ -92,6 +99,7 @@ void Dynamics::read_disks(State const& state) {
       radius_.push_back(radius[row]);
       mass_.push_back(mass[row]);
     }
+    if (!kinds.empty()) kind_.push_back(kind_in(kinds, disks, row));
     mean_squared_radius_ += radius[row] * radius[row] / static_cast<double>(size_);
     mean_mass += mass[row] / static_cast<double>(size_);
   }
@@ -116,9 +124,12 @@ void Dynamics::read_disks(State const& state) {
 void Dynamics::read_obstacles(State const& state, std::span<Obstacle const> walls) {
   std::vector<Obstacle> obstacles(walls.begin(), walls.end());
   Disks const& disks = state.agents;
+  Kinds const kinds = losses_.kinds > 1 ? kinds_of(disks) : Kinds{};
   for (std::uint32_t const row : rows_in_order(disks.ids())) {
     Vector const p = position(disks, row);
-    if (is_fixed(disks, row)) obstacles.push_back({.from = p, .to = p, .radius = disks.column<Radius>()[row]});
+    if (!is_fixed(disks, row)) continue;
+    std::uint8_t const kind = kinds.empty() ? std::uint8_t{0} : kind_in(kinds, disks, row);
+    obstacles.push_back({.from = p, .to = p, .radius = disks.column<Radius>()[row], .kind = kind});
   }
   all_obstacles_ = Obstacles(box_, obstacles, largest_radius_);
   if (!all_obstacles_.empty()) obstacles_ = &all_obstacles_;

@@ -61,6 +61,10 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   growth_ = whole.growth_;
   gravity_ = whole.gravity_;
   losses_ = whole.losses_;
+  kind_.clear();
+  for (Index const i : disks) {
+    if (!whole.kind_.empty()) kind_.push_back(whole.kind_[i]);
+  }
   obstacles_ = whole.obstacles_;
   pipeline_.clear();
 }
@@ -147,6 +151,7 @@ void Flight::sort_disks_by_cell(double time) {
     permute(mass_, new_name);
   }
   permute(image_, new_name);
+  if (!kind_.empty()) permute(kind_, new_name);
   if (!last_contact_.empty()) permute(last_contact_, new_name);
   permute(cells_, new_name);
   if (has_lists()) permute(lists_.places, new_name);

@@ -125,7 +125,7 @@ class Flight {
   }
   [[nodiscard]] bool falls() const { return gravity_ != Vector{}; }
   /// Returns whether collisions or gravity change the kinetic energy.
-  [[nodiscard]] bool changes_energy() const { return losses_.has_any() || falls(); }
+  [[nodiscard]] bool changes_energy() const { return losses_.exist || falls(); }
   [[nodiscard]] bool has_lists() const { return !lists_.places.empty(); }
 
   void choose_fetching();
@@ -137,6 +137,10 @@ class Flight {
   ImpactOnObstacle reflect_from(Obstacle const& obstacle, Index i);
   /// Returns 1 + e of a collision now of disk i and of disk j, or of a wall or obstacle where j is i.
   double bounce_of(Index i, Index j, double restitution);
+  [[nodiscard]] std::size_t kind_of(Index i) const { return kind_.empty() ? 0 : kind_[i]; }
+  [[nodiscard]] double restitution_of(std::size_t a, std::size_t b) const {
+    return losses_.of_pairs[a * losses_.kinds + b];
+  }
 
   // Functions in cells.cpp:
   void make_room_in_cells(double time);
@@ -222,6 +226,7 @@ class Flight {
 
   Vector gravity_;
   Losses losses_;
+  std::vector<std::uint8_t> kind_;        // kind in losses_; empty where there is one
   LargeArray<double> last_contact_;       // time of the last collision in this epoch; empty without contact_time
   std::uint64_t elastic_contacts_ = 0;    // collisions that lost nothing because of contact_time
   Obstacles const* obstacles_ = nullptr;  // nullptr where there are none
@@ -298,7 +303,7 @@ void Flight::collide(Index i, Index j, Observer& observer) {
   double const growth = sum * growth_.scale.rate;
   double const squared_distance = d_x * d_x + d_y * d_y;
   double const approach = (w_x * d_x + w_y * d_y) - growth * contact;
-  double const bounce = losses_.has_any() ? bounce_of(i, j, losses_.restitution) : 2.0;
+  double const bounce = losses_.exist ? bounce_of(i, j, restitution_of(kind_of(i), kind_of(j))) : 2.0;
   double const along = bounce * approach / ((mass_a + mass_b) * squared_distance);
   double const along_a = mass_b * along;
   double const along_b = mass_a * along;
@@ -338,7 +343,8 @@ void Flight::hit_wall(Index i, Side side, Observer& observer) {
   double const inwards = side == Side::left || side == Side::bottom ? 1.0 : -1.0;
   double const radius = radius_of(i);
   double const velocity = is_vertical ? disk.velocity_x + gravity_.x * now_ : disk.velocity_y + gravity_.y * now_;
-  double const change = bounce_of(i, i, losses_.wall_restitution) * (inwards * radius * growth_.scale.rate - velocity);
+  double const change =
+      bounce_of(i, i, losses_.of_walls[kind_of(i)]) * (inwards * radius * growth_.scale.rate - velocity);
   change_velocity(disk, is_vertical ? change : 0.0, is_vertical ? 0.0 : change, now_);
   ++hits_;
   double const impulse = mass_of(i) * std::abs(change);

@@ -96,7 +96,8 @@ ImpactOnObstacle Flight::reflect_from(Obstacle const& obstacle, Index i) {
   Vector const p = position_at(i, now_);
   Vector const d = p - obstacle.nearest_to(p);
   double const approach = dot(velocity_at(i, now_), d);
-  double const bounce = bounce_of(i, i, obstacle.is_disk() ? losses_.restitution : losses_.wall_restitution);
+  double const bounce =
+      bounce_of(i, i, obstacle.is_disk() ? restitution_of(kind_of(i), obstacle.kind) : losses_.of_walls[kind_of(i)]);
   double const along = -bounce * std::min(approach, 0.0) / squared_length(d);
   change_velocity(disks_[i], along * d.x, along * d.y, now_);
   ++hits_;

@@ -57,7 +57,7 @@ void Dynamics::require_time_to_pass() {
       throw RunFailure(
           fmt::format("time {}: no time passes: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of "
                       "{:.3g}: {}",
-                      last_event(), id_of(max_hit), x, y, max_hits, passed, losses_.has_any() ? collapse : wedge));
+                      last_event(), id_of(max_hit), x, y, max_hits, passed, losses_.exist ? collapse : wedge));
     }
   }
   bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * min_displacement;
