@@ -64,6 +64,9 @@ template <class Visit>
 auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::string const& title, Visit visit) const {
   State const state = disks_of(frame, mark_);
   PictureSettings picture{.width = width, .title = title};
+  std::vector<Vector> headings;
+  if (frame.find("radius") != nullptr && frame.find("heading_x") != nullptr) headings = headings_of(frame);
+  picture.headings = headings;
   std::vector<double> values;
   if (has_bar()) {
     values = colour_values(first_, frame, colour_);

@@ -60,6 +60,8 @@ State disks_of(Frame const& frame, double mark) {
   return state;
 }
 
+std::vector<Vector> headings_of(Frame const& frame) { return vectors_of(frame, "heading_x", "heading_y"); }
+
 double mark_for(Frame const& frame) {
   double const spacing = std::sqrt(frame.box.area() / std::max(1.0, static_cast<double>(frame.size())));
   double const side = frame.box.side();
@@ -67,6 +69,7 @@ double mark_for(Frame const& frame) {
 }
 
 std::string usual_colour(Frame const& frame) {
+  if (frame.find("heading_x") != nullptr) return "direction";
   if (frame.find("radius") != nullptr && frame.find("image_x") != nullptr) return "displacement";
   for (auto column = frame.columns.rbegin(); column != frame.columns.rend(); ++column) {
     if (std::holds_alternative<std::vector<std::uint32_t>>(column->values)) return column->name;

@@ -8,7 +8,7 @@
 
 namespace gridlock {
 
-/// Returns the default colour of a frame: displacement for disks with images, or else the last column of whole numbers
+/// Returns the default colour of a frame: direction for agents with headings, displacement for disks with images, or else the last column of whole numbers
 /// such as a species, the radius, the direction of motion, or a single colour.
 std::string usual_colour(Frame const& frame);
 
@@ -19,6 +19,9 @@ std::vector<std::string> colours_of(Frame const& frame);
 /// Returns the value that determines the colour of each agent; NaN if unknown. Contract: `colour` is one of
 /// colours_of(frame), but not neighbourhood, and radius only if the frame has that column.
 std::vector<double> colour_values(Frame const& first, Frame const& frame, std::string const& colour);
+
+/// Returns the headings of agents that have them.
+std::vector<Vector> headings_of(Frame const& frame);
 
 /// Returns the radius for agents without one: a third of their mean spacing, within 0.15 % and 0.8 % of the box side.
 double mark_for(Frame const& frame);

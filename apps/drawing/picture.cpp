@@ -254,7 +254,12 @@ class Picture {
   void draw_disks(Canvas& canvas) const {
     for (std::size_t i = 0; i < state_.agents.size(); ++i) {
       double const radius = state_.agents.column<Radius>()[i] * at_.pixels;
-      for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colours_.of(i)); });
+      for_each_image(i, [&](Vector centre) {
+        canvas.circle(to_pixels(centre), radius, colours_.of(i));
+        if (settings_.headings.empty()) return;
+        Vector const dot = 0.6 * state_.agents.column<Radius>()[i] * settings_.headings[i];
+        canvas.circle(to_pixels(centre + dot), 0.25 * radius, ink);
+      });
     }
   }
 

@@ -31,6 +31,7 @@ struct PictureSettings {
   std::uint64_t rows = 0;          ///< rows of the grid; 0: none
   std::span<double const> values;  ///< values, directions, kinds: one for each row of state.agents; disks without a
                                    ///< finite value are grey
+  std::span<Vector const> headings;  ///< one for each row, shown as a dot near the rim; empty: none
   std::optional<double> min;  ///< lower end of the colour bar; default: the smallest value, or 0 if none is negative
   std::optional<double> max;  ///< upper end of the bar, or last listed kind; default: the largest value
   std::string bar_label;      ///< label of the colour bar

@@ -74,15 +74,33 @@ OF_EXACT = {
         "collisions": {"restitution": 0.8, "wall_restitution": 0.9, "contact_time": 1e-3}, "gravity.y": -1,
         "walls": [{"from": [0.1, 0.3], "to": [0.5, 0.3]}, {"from": [0.8, 0.2], "to": [0.8, 0.7]}],
     },
+    "brownian_active": {
+        "box": {"edge": "periodic", "width": 1.2}, "run.time": 0.5,
+        "disks": {"count": 300, "packing_fraction": 0.4, "start": "random"},
+        "thermostat": {"kind": "brownian", "temperature": 0.5, "interval": 0.004},
+        "propulsion": {"speed": 1.5, "rotational_diffusion": 5},
+    },
 }
-SCENES_OF_ENGINES = [(scene, engine) for scene in SCENES for engine in ("stepped", "tiled", "exact")]
+ACTIVE = {
+    "active": {
+        "box": {"edge": "periodic", "width": 1.2}, "run.time": 2,
+        "disks": {"count": 300, "packing_fraction": 0.5, "start": "random",
+                  "species": [{"fraction": 0.5}, {"fraction": 0.5, "size_ratio": 1.4, "mass": 1.96}]},
+        "propulsion": {"speed": 0.5, "rotational_diffusion": 2},
+    },
+}
+SCENES_OF_ENGINES = [
+    *((scene, engine) for scene in SCENES for engine in ("stepped", "tiled", "exact")),
+    *((scene, "exact") for scene in OF_EXACT),
+    *((scene, engine) for scene in ACTIVE for engine in ("stepped", "tiled")),
+]
 
 
-@pytest.mark.parametrize(("scene", "engine"), [*SCENES_OF_ENGINES, *((scene, "exact") for scene in OF_EXACT)])
+@pytest.mark.parametrize(("scene", "engine"), SCENES_OF_ENGINES)
 def test_the_golden_hashes_are_those_of_the_table(root, scene, engine):
     with open(root / "tests/golden/hashes.csv", newline="") as file:
         row = next(row for row in csv.DictReader(file) if (row["scene"], row["engine"]) == (scene, engine))
-    simulation = gridlock.Simulation({**(SCENES | OF_EXACT)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
+    simulation = gridlock.Simulation({**(SCENES | OF_EXACT | ACTIVE)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
     assert simulation.state_hash == row["start"]
     for _ in range(3):
         simulation.run(steps=7)

@@ -17,6 +17,8 @@ void add(Counters& sum, Counters const& part) {
   sum.inner_wall_hits += part.inner_wall_hits;
   sum.inner_wall_impulse += part.inner_wall_impulse;
   sum.pair_virial += part.pair_virial;
+  sum.swum += part.swum;
+  sum.swum_if_free += part.swum_if_free;
 }
 
 void serialize(Archive& archive, Counters& counters) {
@@ -31,6 +33,8 @@ void serialize(Archive& archive, Counters& counters) {
   archive.visit("inner_wall_hits", counters.inner_wall_hits);
   archive.visit("inner_wall_impulse", counters.inner_wall_impulse);
   archive.visit("pair_virial", counters.pair_virial);
+  archive.visit("swum", counters.swum);
+  archive.visit("swum_if_free", counters.swum_if_free);
   archive.require(hits.size() == counters.wall_hits.size() && impulses.size() == counters.wall_impulse.size(),
                   "a box has four walls");
   std::ranges::copy(hits, counters.wall_hits.begin());

@@ -59,6 +59,20 @@ HWY_INLINE hn::Vec<Tag> side_by_side(Tag tag, T const* const* from, std::size_t 
                        side_by_side<at_once>(half, from, step));
   }
 }
+
+template <class D>
+struct Vectors {
+  hn::Vec<D> x;
+  hn::Vec<D> y;
+};
+
+/// Loads two numbers that lie side by side in memory, for each disk of a register.
+template <class D>
+HWY_INLINE Vectors<D> pairs_of(D tag, double const* const* from) {
+  auto const even = side_by_side<2>(tag, from, 2);
+  auto const odd = side_by_side<2>(tag, from + 1, 2);
+  return {hn::InterleaveLower(tag, even, odd), hn::InterleaveUpper(tag, even, odd)};
+}
 #endif
 
 }  // namespace gridlock::HWY_NAMESPACE

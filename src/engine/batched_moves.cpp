@@ -18,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "core/highway-inl.hpp"
+#include "engine/headings-inl.hpp"
 
 // Without vector instructions the plain C++ in turn.hpp is faster than Highway with one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
@@ -84,19 +85,6 @@ template <class D>
 using Single = hn::Rebind<float, D>;
 
 template <class D>
-struct Vectors {
-  hn::Vec<D> x;
-  hn::Vec<D> y;
-};
-
-/// Loads two numbers that lie side by side in memory, for each disk of a register.
-template <class D>
-HWY_INLINE Vectors<D> pairs_of(D tag, double const* const* from) {
-  auto const even = side_by_side<2>(tag, from, 2);
-  auto const odd = side_by_side<2>(tag, from + 1, 2);
-  return {hn::InterleaveLower(tag, even, odd), hn::InterleaveUpper(tag, even, odd)};
-}
-template <class D>
 HWY_INLINE Vectors<D> positions_of(D tag, DiskInTurn const* const* disks) {
   double const* from[hn::MaxLanes(D())];
   for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->position.x;
@@ -114,6 +102,16 @@ HWY_INLINE hn::Vec<D> radii_of(D tag, DiskInTurn const* const* disks) {
   double const* from[hn::MaxLanes(D())];
   for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->radius;
   return pairs_of(tag, from).x;
+}
+
+/// The id index of each disk, with its row above it in a word of twice as many bits.
+template <class D>
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>> id_indices_of(D /*tag*/, DiskInTurn const* const* disks) {
+  static_assert(offsetof(DiskInTurn, row_in_state) == offsetof(DiskInTurn, id_index) + sizeof(std::uint32_t));
+  hn::Repartition<std::uint32_t, D> const numbers;
+  std::uint32_t const* from[hn::MaxLanes(D())];
+  for (std::size_t k = 0; k < hn::MaxLanes(D()); ++k) from[k] = &disks[k]->id_index;
+  return hn::BitCast(hn::RebindToUnsigned<D>(), side_by_side<2>(numbers, from));
 }
 
 /// Columns and rows of the cells of these blocks, as numbers x and y in double precision.
@@ -223,6 +221,7 @@ class BatchedMoves {
     }
     Counters& counters = result_of(0).counters;
     counters.moves += count_of(together);
+    if (view_.is_propelled()) count_swum(counters, static_cast<double>(count_of(together) * view_.substeps));
     counters.halted_moves += count_of(halted_);
     counters.distance_checks += checks_ * view_.substeps - checks_left_out_;
   }
@@ -261,7 +260,8 @@ class BatchedMoves {
     Single<D> const single;
     TurnConstants const& c = constants_;
     Vectors<D> const position = positions_of(tag, &t_.disk[first]);
-    Vectors<D> const velocity = velocities_of(tag, &t_.disk[first]);
+    Vectors<D> velocity = velocities_of(tag, &t_.disk[first]);
+    if (view_.is_propelled()) velocity = turn_headings(tag, first, velocity);
     Double const radius = radii_of(tag, &t_.disk[first]);
     Vectors<D> const cells = cells_of(tag, &t_.block[first]);
     Double const duration = hn::Set(tag, c.duration);
@@ -310,6 +310,19 @@ class BatchedMoves {
     inside_ |= bits_of(tag, is_inside(tag, position, {x, y}, radius)) << first;
     hn::Store(x, tag, &t_.end_x[first]);
     hn::Store(y, tag, &t_.end_y[first]);
+  }
+
+  /// Turns the headings of the disks in a register, from turn `first` on. Returns their velocities.
+  template <class D>
+  HWY_INLINE Vectors<D> turn_headings(D tag, std::size_t first, Vectors<D> velocity) {
+    velocity = HeadingTurns<D>::turned(*view_.heading, id_indices_of(tag, &t_.disk[first]), velocity);
+    alignas(64) double turned[2 * hn::MaxLanes(D())];
+    hn::StoreInterleaved2(velocity.x, velocity.y, tag, turned);
+    std::size_t const end = std::min(count_ - first, hn::MaxLanes(tag));  // lanes behind belong to other turns
+    for (std::size_t k = 0; k < end; ++k) {
+      hn::Store(hn::Load(Pair(), turned + 2 * k), Pair(), &t_.disk[first + k]->velocity.x);
+    }
+    return velocity;
   }
 
   /// Returns whether disks stay between the walls, or inside the periodic box, on the way from one point to the other.
@@ -602,7 +615,17 @@ class BatchedMoves {
   HWY_INLINE void collide(std::size_t l, Counters& counters) {
     auto const left_out = static_cast<std::uint64_t>(static_cast<double>(view_.substeps - 1) - t_.free_substeps[l]);
     checks_left_out_ += left_out * count_of(t_.near[l]);
+    if (view_.is_propelled()) {
+      ++counters.pair_collisions;
+      counters.swum -= static_cast<double>(left_out + 1);
+      return;
+    }
     collide(*t_.disk[l], view_.disks[t_.partner[l]], counters);
+  }
+
+  static void count_swum(Counters& counters, double substeps) {
+    counters.swum += substeps;
+    counters.swum_if_free += substeps;
   }
 
   /// Returns x + y in both lanes.

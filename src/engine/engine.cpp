@@ -80,6 +80,16 @@ void require_known(EngineRecord const& engine, EngineSettings const& settings) {
   if (settings.gravity.exists()) refuse("gravity", "leave [gravity] out", "gravity");
 }
 
+void require_propulsion(EngineRecord const& engine, EngineSettings const& settings) {
+  if (!settings.propulsion.is_on() || engine.has_time_step) return;
+  if (settings.thermostat.kind == ThermostatKind::brownian) return;
+  throw Error({.what = fmt::format("disks of the engine \"{}\" propel themselves from kick to kick of the Brownian "
+                                   "thermostat, but thermostat.kind is \"{}\"",
+                                   engine.name, to_text(settings.thermostat.kind)),
+               .hint = "use thermostat.kind = \"brownian\", or engine.kind = \"tiled\" for the rule with a time step",
+               .key = "propulsion.speed"});
+}
+
 std::vector<std::string> engine_kinds() {
   std::vector<std::string> kinds;
   for (EngineRecord const& record : registry()) kinds.emplace_back(record.name);
@@ -89,6 +99,7 @@ std::vector<std::string> engine_kinds() {
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
   require_known(record, settings);
+  require_propulsion(record, settings);
   return record.make(settings, state);
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "engine/exact/dynamics.hpp"
+#include "engine/heading_columns.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
@@ -123,7 +124,8 @@ ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
       thermostat_settings_(resolved(settings.thermostat, state)),
       collisions_(settings.collisions),
       gravity_(settings.gravity.acceleration()),
-      walls_(settings.walls) {
+      walls_(settings.walls),
+      propulsion_(settings.propulsion) {
   ExactEngine::require_valid(state);
 }
 
@@ -155,7 +157,7 @@ void ExactEngine::start_from(State& state) {
   earlier_audits_ = made_audits();
   earlier_contacts_ = elastic_contacts();
   if (thermostat_settings_.kind != ThermostatKind::none) {
-    thermostat_.emplace(thermostat_settings_, state.seed);
+    thermostat_.emplace(thermostat_settings_, propulsion_, state.seed);
     thermostat_->start_from(state);
   }
   make_dynamics(state);
@@ -176,7 +178,10 @@ void ExactEngine::make_dynamics(State const& state) {
                                  .gravity = gravity_,
                                  .losses = exact::losses_for(collisions_, state.agents),
                                  .walls = walls};
-  if (thermostat_) options.thermal_speed_squared = thermal_speed_squared(state, *thermostat_settings_.temperature);
+  if (thermostat_) {
+    options.thermal_speed_squared =
+        thermal_speed_squared(state, *thermostat_settings_.temperature) + propulsion_.speed * propulsion_.speed;
+  }
   dynamics_ = std::make_unique<exact::Dynamics>(state, options);
 }
 
@@ -205,7 +210,7 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
       return;
     }
     bool const ends_step = pass_steps_until(target, state.clock);
-    if (target >= next_kick_time()) thermostat_->kick(*dynamics_, start_time_);
+    if (target >= next_kick_time()) thermostat_->kick(*dynamics_, start_time_, counters);
     if (ends_step && stop_condition.stops_here()) break;
   }
   dynamics_->write(state.clock.time - start_time_, state);
@@ -243,6 +248,14 @@ bool ExactEngine::pass_steps_until(double time, Clock& clock) {
   return ends_step;
 }
 
+void ExactEngine::give_frame(FrameSource const& of_world, UseFrame const& use) const {
+  if (!thermostat_ || thermostat_->headings().size() != of_world.size()) {
+    give_frame_with_headings(propulsion_, of_world, use);
+  } else {
+    give_frame_with_headings(propulsion_, thermostat_->headings(), of_world, use);
+  }
+}
+
 std::uint64_t ExactEngine::made_audits() const {
   return earlier_audits_ + (dynamics_ == nullptr ? 0 : dynamics_->audits());
 }
@@ -270,7 +283,9 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
   bool has_started = dynamics_ != nullptr;
   archive.visit("has_started", has_started);
   if (archive.is_restoring() && has_started) {
-    if (thermostat_settings_.kind != ThermostatKind::none) thermostat_.emplace(thermostat_settings_, state.seed);
+    if (thermostat_settings_.kind != ThermostatKind::none) {
+      thermostat_.emplace(thermostat_settings_, propulsion_, state.seed);
+    }
     make_dynamics(state);
   }
   if (archive.is_restoring() && !has_started) dynamics_ = nullptr;

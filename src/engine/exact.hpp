@@ -48,6 +48,7 @@ class ExactEngine final : public Engine {
   [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override;
   [[nodiscard]] std::vector<Count> audits() const override;
   void serialize(Archive& archive, State const& state) override;
+  void give_frame(FrameSource const& of_world, UseFrame const& use) const override;
 
   /// The number of audits since the start of the run; an audit that finds a fault ends the run.
   [[nodiscard]] std::uint64_t made_audits() const;
@@ -75,6 +76,7 @@ class ExactEngine final : public Engine {
   CollisionSettings collisions_;
   Vector gravity_;
   std::vector<WallSettings> walls_;
+  PropulsionSettings propulsion_;
   std::uint64_t earlier_contacts_ = 0;         // elastic contacts of dynamics that have been replaced
   std::unique_ptr<ThreadPool> threads_;        // nullptr while there are too few disks for threads
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()

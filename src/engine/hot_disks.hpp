@@ -67,12 +67,14 @@ class HotDisks {
   [[nodiscard]] std::size_t room() const { return disks_.capacity(); }
   [[nodiscard]] LargeArray<DiskInTurn> take() { return std::move(disks_); }
 
-  TurnView view(Box const& box, EngineSettings const& settings, double duration) {
+  /// `of_step` is set by the caller for each step, if disks propel themselves.
+  TurnView view(Box const& box, EngineSettings const& settings, double duration, HeadingStep const& of_step) {
     return {.box = box,
             .disks = disks_,
             .substep = duration / static_cast<double>(settings.substeps),
             .substeps = settings.substeps,
-            .contact = settings.contact};
+            .contact = settings.contact,
+            .heading = settings.propulsion.is_on() ? &of_step : nullptr};
   }
 
   void write_back(State& state) const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/headings.hpp"
 #include "engine/hot_disks.hpp"
 #include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
@@ -176,11 +177,15 @@ void SteppedEngine::advance(State& state, Counters& counters, StopCondition cons
 
 template <class TakeTurn>
 void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,
-                               TakeTurn take) const {
+                               HeadingStep& of_step, TakeTurn take) const {
   double const smallest = radius_range(state.agents).smallest;
   double const substep = duration_ / static_cast<double>(settings_.substeps);
+  HeadingRule const heading = heading_rule(settings_.propulsion, duration_, state.seed);
+  set_speeds(heading, disks.all());
   while (!stop_condition.is_reached(state.clock, counters.pair_collisions)) {
+    if (heading.is_on()) of_step = heading_step(heading, state.clock.step);
     for (std::size_t i = 0; i < disks.size(); ++i) {
+      if (heading.is_on()) disks[i].velocity = turned_velocity(of_step, disks[i].id_index, disks[i].velocity);
       double const squared_speed = squared_length(disks[i].velocity);
       if (!is_short(squared_speed * substep * substep, disks[i].radius + smallest)) {
         disks.write_back(state);
@@ -197,10 +202,11 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters
 
 void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.agents.ids()));
-  TurnView const view = disks.view(state.box, settings_, duration_);
+  HeadingStep of_step{};
+  TurnView const view = disks.view(state.box, settings_, duration_, of_step);
   auto grid = grid_of<LinkedGrid>(layout_, disks);
   Cutoff const cutoff(state.box, radius_range(state.agents).largest, duration_, settings_.substeps);
-  take_turns(state, disks, counters, stop_condition, [&](std::size_t i, double squared_speed) {
+  take_turns(state, disks, counters, stop_condition, of_step, [&](std::size_t i, double squared_speed) {
     double const distance = cutoff.of(disks[i].radius, squared_speed);
     int const columns = layout_.columns_within(distance);
     int const rows = layout_.rows_within(distance);
@@ -214,10 +220,11 @@ void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondi
 
 void SteppedEngine::advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.agents.ids()));
-  TurnView const view = disks.view(state.box, settings_, duration_);
+  HeadingStep of_step{};
+  TurnView const view = disks.view(state.box, settings_, duration_, of_step);
   auto grid = grid_of<PackedGrid>(layout_, disks);
   PackedTurns turns(view, grid, radius_range(state.agents), duration_);
-  take_turns(state, disks, counters, stop_condition, [&](std::size_t i, double squared_speed) {
+  take_turns(state, disks, counters, stop_condition, of_step, [&](std::size_t i, double squared_speed) {
     if (turns.is_local(i, squared_speed)) {
       turns.take(turns.prepare(i), counters);
     } else {

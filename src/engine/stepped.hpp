@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/disks_overview.hpp"
+#include "engine/heading_columns.hpp"
 #include "grid/validate_rows.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
@@ -42,6 +43,7 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 EngineRecord stepped_record();
 
 class HotDisks;
+struct HeadingStep;
 
 /// The engine `stepped`: disks take turns in the order of their Ids, by the rule of the paper. It runs on the paper's
 /// linked lists, the reference for every faster version, or on the packed grid, with the same bits.
@@ -53,17 +55,21 @@ class SteppedEngine final : public Engine {
 
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
+  void give_frame(FrameSource const& of_world, UseFrame const& use) const override {
+    give_frame_with_headings(settings_.propulsion, of_world, use);
+  }
   void require_valid(State const& state) const override { require_room_for_turns(settings_, state); }
 
  private:
   void advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const;
   void advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const;
+  /// Sets `of_step` for each step, if disks propel themselves, and turns their headings.
   /// Calls take(i, squared_speed) for each disk in the order of its row, step after step until the stop condition
   /// holds, then writes all disks back.
   /// Errors: RunFailure for a disk that has become so fast that a sub-step could jump over another.
   template <class TakeTurn>
   void take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,
-                  TakeTurn take) const;
+                  HeadingStep& of_step, TakeTurn take) const;
 
   EngineSettings settings_;
   double duration_;

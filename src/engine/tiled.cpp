@@ -38,8 +38,9 @@ tiled::Steps steps_of(State const& state, tiled::TurnRule const& rule, CellLayou
 
 /// Lets all disks take their turns. `for_each(parts, take)` calls take(part) for each part, in any order or at once.
 template <class ForEach>
-void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Counters& counters, ForEach for_each) {
-  steps.begin_step();
+void take_step(tiled::Steps& steps, std::uint64_t step, std::vector<Tiling::Round> const& rounds, Counters& counters,
+               ForEach for_each) {
+  steps.begin_step(step);
   for (Tiling::Round const& round : rounds) {
     for_each(round.size(), [&](std::size_t part) { steps.take_part(round[part]); });
   }
@@ -101,7 +102,8 @@ tiled::TurnRule TiledEngine::rule_of(State const& state) const {
           .duration = duration_,
           .substeps = settings_.substeps,
           .contact = settings_.contact,
-          .radii = radius_range(state.agents)};
+          .radii = radius_range(state.agents),
+          .heading = heading_rule(settings_.propulsion, duration_, state.seed)};
 }
 
 void TiledEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
@@ -114,7 +116,8 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
   while (is_before_stop() && !is_stopped) {
     tiled::Steps steps = steps_of(state, rule_of(state), layout_, tiling_);
     for (std::uint64_t n = 0; n < tiled::steps_between_sorts && is_before_stop() && !is_stopped; ++n) {
-      take_step(steps, rounds_, counters, [&](std::size_t parts, auto take) { thread_pool_.for_each(parts, take); });
+      take_step(steps, state.clock.step, rounds_, counters,
+                 [&](std::size_t parts, auto take) { thread_pool_.for_each(parts, take); });
       try {
         require_no_jumps(steps, state);
       } catch (RunFailure const&) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "engine/heading_columns.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -25,6 +26,9 @@ class TiledEngine final : public Engine {
 
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
+  void give_frame(FrameSource const& of_world, UseFrame const& use) const override {
+    give_frame_with_headings(settings_.propulsion, of_world, use);
+  }
   void require_valid(State const& state) const override;
 
  private:

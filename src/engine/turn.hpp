@@ -27,6 +27,14 @@ struct alignas(64) DiskInTurn {
 };
 static_assert(sizeof(DiskInTurn) == 64);
 
+/// The numbers that the headings of self-propelled disks turn by in one step; headings.hpp says how.
+struct HeadingStep {
+  std::uint32_t key;      ///< key and counter of the random numbers
+  std::uint32_t word;
+  float width;            ///< standard deviation of the turn, in radians
+  double inverse_square;  ///< 1 / speed²
+};
+
 /// The disks and the constants that a turn needs, borrowed for one advance().
 struct TurnView {
   Box const& box;
@@ -34,6 +42,11 @@ struct TurnView {
   double substep;          ///< duration of a sub-step
   std::uint64_t substeps;  ///< number of sub-steps in a turn
   CollisionRule contact;
+  /// Of self-propelled disks, whose headings turn before their turn and which keep their velocities where they halt;
+  /// nullptr of others.
+  HeadingStep const* heading = nullptr;
+
+  [[nodiscard]] bool is_propelled() const { return heading != nullptr; }
 };
 
 /// The nearest disk that overlaps a trial point, ties to the lower Id. This choice does not depend on the order of
@@ -71,16 +84,19 @@ class Partner {
   std::uint64_t checks_ = 0;
 };
 
-/// Reverses the velocity component that would carry a disk through a wall at `trial`. Returns whether it hits a wall.
-inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& counters) {
+/// Reverses the velocity component that would carry a disk through a wall at `trial`, except that of a self-propelled
+/// disk. Returns whether it hits a wall.
+inline bool hits_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Counters& counters) {
+  Box const& box = view.box;
   if (box.is_periodic()) return false;
   double const r = disk.radius;
   bool is_hit = false;
   auto const reflect = [&](Counters::Wall wall, double& component) {
     ++counters.wall_hits[wall];
+    is_hit = true;
+    if (view.is_propelled()) return;
     counters.wall_impulse[wall] += 2.0 * disk.mass * std::abs(component);
     component = -component;
-    is_hit = true;
   };
   if (trial.x < r) reflect(Counters::left, disk.velocity.x);
   if (trial.x > box.width() - r) reflect(Counters::right, disk.velocity.x);
@@ -103,6 +119,10 @@ inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& 
 ///     Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b,   Δv_j = +(2 m_i / (m_i + m_j)) (w·b / b²) b,   w = v_i − v_j,
 /// It reverses the normal part of the relative velocity in the centre-of-mass frame and keeps momentum and energy.
 inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters& counters) {
+  if (view.is_propelled()) {
+    ++counters.pair_collisions;
+    return;
+  }
   DiskInTurn& self = view.disks[i];
   DiskInTurn& other = view.disks[j];
   Vector const b = view.box.displacement_inside(self.position, other.position);
@@ -125,7 +145,7 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
 enum class EdgeOfTurn { may_be_met, is_far };
 
 /// Takes one disk's turn in one time step by the rule of the paper: up to `substeps` trial moves. The first that would
-/// cross a wall or overlap a disk halts the disk for this step; it bounces off. The caller keeps the grid up to date.
+/// cross a wall or overlap a disk halts the disk for this step; it bounces off, or keeps its velocity if self-propelled. The caller keeps the grid up to date.
 ///
 /// search(partner) must call partner.consider(j) for every disk j that could overlap the trial point; visiting more
 /// disks, or any order, gives the same bits.
@@ -138,19 +158,24 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
   Vector const displacement = view.substep * disk.velocity;
   int crossed_x = 0;
   int crossed_y = 0;
-  auto const write_back = [&] {
+  auto const end_after = [&](std::uint64_t substeps) {
     disk.position = here;
+    if (view.is_propelled()) {
+      counters.swum += static_cast<double>(substeps);
+      counters.swum_if_free += static_cast<double>(view.substeps);
+    }
     if constexpr (edge == EdgeOfTurn::may_be_met) {
       disk.image_x += crossed_x;
       disk.image_y += crossed_y;
     }
   };
-  for (std::uint64_t m = 0; m < view.substeps; ++m) {
+  std::uint64_t m = 0;
+  for (; m < view.substeps; ++m) {
     Vector trial = here + displacement;
     int trial_crossed_x = crossed_x;
     int trial_crossed_y = crossed_y;
     if constexpr (edge == EdgeOfTurn::may_be_met) {
-      if (hits_wall(view.box, disk, trial, counters)) {
+      if (hits_wall(view, disk, trial, counters)) {
         ++counters.halted_moves;
         break;
       }
@@ -161,7 +186,7 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
     search(partner);
     counters.distance_checks += partner.checks();
     if (partner.exists()) {
-      write_back();
+      end_after(m);
       collide(view, i, partner.index(), counters);
       ++counters.halted_moves;
       return;
@@ -170,7 +195,7 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
     crossed_x = trial_crossed_x;
     crossed_y = trial_crossed_y;
   }
-  write_back();
+  end_after(m);
 }
 
 }  // namespace gridlock

@@ -23,6 +23,7 @@
 #include "observe/pressure.hpp"
 #include "observe/rates.hpp"
 #include "observe/speed.hpp"
+#include "observe/swim.hpp"
 #include "observe/temperature_by_kind.hpp"
 #include "observe/velocity_autocorrelation.hpp"
 
@@ -186,7 +187,8 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   observables.push_back(std::make_unique<Energy>());
   observables.push_back(std::make_unique<Speed>(settings.speed_range, settings.speed_bins));
   observables.push_back(std::make_unique<Rates>(dynamics.halts_moves));
-  observables.push_back(std::make_unique<Pressure>());
+  if (dynamics.has_impulses) observables.push_back(std::make_unique<Pressure>());
+  if (dynamics.propels) observables.push_back(std::make_unique<SwimSpeed>());
   observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
   if (settings.structure_every > 0) {
     observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
@@ -237,7 +239,7 @@ std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings) {
   for (double const radius : {0.1, 0.2}) state.agents.add(0.5, 0.5, 1.0, 0.0, radius, 1.0, 0, 0);
   Counters const counters;
   std::vector<ColumnInfo> columns;
-  for (auto const& observable : make_observables(settings, {state, counters})) {
+  for (auto const& observable : make_observables(settings, {state, counters}, {.propels = true})) {
     std::ranges::move(observable->columns(), std::back_inserter(columns));
   }
   return columns;

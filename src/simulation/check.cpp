@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "observe/unused_settings.hpp"
@@ -137,7 +139,10 @@ void check_end(Setup const& setup) {
   static_cast<void>(FrameSchedule(trajectory, 1.0));
   if (setup.simulation == nullptr) return;
   Simulation const& simulation = *setup.simulation;
-  static_cast<void>(chosen_columns(simulation.view().names(), trajectory.columns));
+  std::vector<std::string_view> names = simulation.view().names();
+  // Columns of frames that the engine adds.
+  if (setup.configuration.engine.propulsion.is_on()) names.insert(names.end(), {"heading_x", "heading_y"});
+  static_cast<void>(chosen_columns(names, trajectory.columns));
   if (run.collisions_per_disk &&
       *run.collisions_per_disk * static_cast<double>(simulation.agents()) / 2.0 >= max_collisions) {
     throw Error({.what = fmt::format("no run reaches {:.3g} collisions per disk", *run.collisions_per_disk),

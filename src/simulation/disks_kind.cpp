@@ -31,7 +31,10 @@ namespace {
 
 /// Replaces missing settings by their defaults, so that the configuration records all values of the run.
 void resolve(Configuration& configuration) {
-  if (!configuration.engine.speed) configuration.engine.speed = configuration.velocities.max;
+  if (!configuration.engine.speed) {
+    PropulsionSettings const& propulsion = configuration.engine.propulsion;
+    configuration.engine.speed = propulsion.is_on() ? propulsion.speed : configuration.velocities.max;
+  }
   if (configuration.disks.start == StartKind::file) return;
   if (!configuration.disks.count) configuration.disks.count = 841;
   if (!configuration.disks.radius && !configuration.disks.packing_fraction) configuration.disks.packing_fraction = 0.5;
@@ -95,8 +98,10 @@ void require_short_substeps(EngineSettings const& engine, DisksOverview const& d
 constexpr double error_per_flight = 0.4;
 
 /// Returns a note if the engine has a time step and the results are known to mislead.
-std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineRecord const& engine) {
-  if (!engine.has_time_step) return std::nullopt;
+std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineSettings const& settings) {
+  EngineRecord const& engine = engine_record(settings.kind);
+  // The caveats are those of a rule for elastic disks.
+  if (!engine.has_time_step || settings.propulsion.is_on()) return std::nullopt;
   TimeStepCaveats const caveats = time_step_caveats(box, disks.covered_area);
   if (!caveats.any()) return std::nullopt;
   Event event{
@@ -157,6 +162,26 @@ void require_floor(EngineSettings const& settings, State const& state) {
   if (is_held) return;
   if (settings.gravity.x != 0.0 && state.box.is_periodic()) refuse("x", settings.gravity.x);
   if (settings.gravity.y != 0.0 && state.box.is_periodic()) refuse("y", settings.gravity.y);
+}
+
+/// How far self-propelled disks go, in diameters of the smallest, and how far a step or an interval is from motion in
+/// continuous time. Contract: a thermostat is resolved.
+std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksOverview const& disks) {
+  PropulsionSettings const& propulsion = settings.propulsion;
+  if (!propulsion.is_on() || disks.count == 0) return std::nullopt;
+  bool const has_steps = engine_record(settings.kind).has_time_step;
+  double const duration =
+      has_steps ? step_duration(settings, disks.radii.smallest) : settings.thermostat.interval.value_or(0.0);
+  double const diameter = 2.0 * disks.radii.smallest;
+  return Event{.kind = EventKind::propulsion,
+               .key = "propulsion.speed",
+               .values = {{"duration", std::string(has_steps ? "a time step" : "thermostat.interval")},
+                          {"rotational_diffusion", propulsion.rotational_diffusion},
+                          {"persistence", propulsion.rotational_diffusion > 0.0
+                                              ? propulsion.speed / propulsion.rotational_diffusion / diameter
+                                              : 0.0},
+                          {"way", propulsion.speed * duration / diameter},
+                          {"turn", turn_width(propulsion, duration)}}};
 }
 
 std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings const& velocities) {
@@ -240,6 +265,8 @@ class DisksKind final : public ModelKind {
              [&](SettingVisitor& visitor) { describe(configuration.engine.collisions, visitor); }},
             {"gravity", "Whether the disks of the engine exact fall.",
              [&](SettingVisitor& visitor) { describe(configuration.engine.gravity, visitor); }},
+            {"propulsion", "Whether disks propel themselves along headings that turn at random.",
+             [&](SettingVisitor& visitor) { describe(configuration.engine.propulsion, visitor); }},
             {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
              [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
   }
@@ -254,6 +281,9 @@ class DisksKind final : public ModelKind {
       return "collisions.restitution = 1";
     }
     if (key.starts_with("thermostat.")) return unused_of_thermostat(configuration.engine.thermostat.kind, key);
+    PropulsionSettings const& propulsion = configuration.engine.propulsion;
+    if (key == "propulsion.rotational_diffusion" && !propulsion.is_on()) return "propulsion.speed = 0";
+    if (key == "engine.contact" && propulsion.is_on()) return "propulsion.speed above 0";
     if (!key.starts_with(table)) return "";
     EngineSettings const& engine = configuration.engine;
     std::string_view const decides = engine_record(engine.kind).unused_because_of(engine, key.substr(table.size()));
@@ -280,6 +310,9 @@ class DisksKind final : public ModelKind {
     std::vector<std::pair<std::string, std::string>> choices{{"engine", configuration.engine.kind}};
     ThermostatKind const thermostat = configuration.engine.thermostat.kind;
     if (thermostat != ThermostatKind::none) choices.emplace_back("thermostat", to_text(thermostat));
+    if (configuration.engine.propulsion.is_on()) {
+      choices.emplace_back("propulsion speed", fmt::format("{:.6g}", configuration.engine.propulsion.speed));
+    }
     return choices;
   }
 
@@ -300,6 +333,7 @@ class DisksKind final : public ModelKind {
 
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
+    require_propulsion(engine_record(configuration.engine.kind), configuration.engine);
     require_valid(configuration.protocol);
     require_no_overlaps_in_run(configuration);
   }
@@ -321,6 +355,12 @@ std::unique_ptr<EngineFor<HardDisks>> patient(std::unique_ptr<Engine> engine, Ru
                                               State const& state, AllProcesses processes) {
   if (run.steps || run.time) return engine;
   return std::make_unique<PatientEngine>(std::move(engine), patience_for(state, processes), processes);
+}
+
+DynamicsTraits traits_of(EngineSettings const& settings) {
+  bool const has_steps = engine_record(settings.kind).has_time_step;
+  bool const propels = settings.propulsion.is_on();
+  return {.halts_moves = has_steps, .propels = propels, .has_impulses = !(has_steps && propels)};
 }
 
 /// Returns a simulation that a protocol prepares. Its time step in units of the diameter is that of the start.
@@ -345,7 +385,7 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
     // Hard disks get a real engine even if this run has no length, since the run may be lengthened later.
     if (is_prepared && is_hard_at_end) advancing = patient(make_engine(engine, world), run, world, {});
     auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(world));
-    simulation->observe(observe, {.halts_moves = engine_record(settings.kind).has_time_step});
+    simulation->observe(observe, traits_of(settings));
     return simulation;
   };
   return std::make_unique<ProtocolSimulation>(protocol, std::move(state), make);
@@ -356,11 +396,12 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
                  DisksOverview const& disks) {
   require_clock(clock, disks, setup.start_file, settings);
   require_short_substeps(settings, disks);
-  if (auto note = misleading_rule(box, disks, engine_record(settings.kind))) setup.notes.push_back(*std::move(note));
-  bool const has_thermostat = settings.thermostat.kind != ThermostatKind::none;
+  if (auto note = misleading_rule(box, disks, settings)) setup.notes.push_back(*std::move(note));
   if (auto note = may_collapse(settings.collisions)) setup.notes.push_back(*std::move(note));
-  bool const falls = settings.gravity.exists();
-  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !has_thermostat && !falls) {
+  if (auto note = motion_by_propulsion(settings, disks)) setup.notes.push_back(*std::move(note));
+  bool const gets_velocities = settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() ||
+                               settings.gravity.exists();
+  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !gets_velocities) {
     setup.notes.push_back(*std::move(note));
   }
   if (auto note = wait_for_fast_disks(settings, disks)) setup.notes.push_back(*std::move(note));
@@ -385,8 +426,9 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   settings.processes = processes;
   processes.agree([&] {
     if (has_speed) require_bounded_step(configuration.engine, all);
-    bool const is_moved =
-        configuration.engine.thermostat.kind != ThermostatKind::none || configuration.engine.gravity.exists();
+    EngineSettings const& moved_by = configuration.engine;
+    bool const is_moved = moved_by.thermostat.kind != ThermostatKind::none || moved_by.gravity.exists() ||
+                          moved_by.propulsion.is_on();
     if (configuration.protocol.empty() && ends_with_collisions(run) && !is_moved) require_motion(all);
   });
   if (!configuration.protocol.empty()) {
@@ -401,7 +443,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   setup.cost_of_move = record.cost_of_move(settings, own);
   std::unique_ptr<EngineFor<HardDisks>> advancing = patient(std::move(engine), run, own, processes);
   auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(own), processes);
-  simulation->observe(configuration.observe, {.halts_moves = record.has_time_step});
+  simulation->observe(configuration.observe, traits_of(settings));
   setup.simulation = std::move(simulation);
 }
 

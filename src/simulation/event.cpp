@@ -15,13 +15,14 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 40> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 41> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
                                                       "thermostat",
                                                       "losing_energy",
+                                                      "propulsion",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
                                                       "stage_with_two_ends",
@@ -121,6 +122,26 @@ std::string text_of_thermostat(Values const& of) {
       of.number("error_percent"));
 }
 
+/// The longest way of a disk between two turns of its heading, in diameters, that is short beside a diameter, and the
+/// largest turn, in radians, that is small beside a right angle.
+constexpr double max_way = 0.11;
+constexpr double max_turn = 0.5;
+
+std::string text_of_propulsion(Values const& of) {
+  bool const turns = of.number("rotational_diffusion") > 0.0;
+  std::string text = turns ? fmt::format("self-propelled disks: they forget their headings over v₀/D_R = {:.4g} σ",
+                                         of.number("persistence"))
+                           : "self-propelled disks whose headings never turn: means over time depend on the start";
+  text += fmt::format("; in {} they go {:.3g} σ", of.word("duration"), of.number("way"));
+  if (turns) text += fmt::format(" and turn by {:.3g} radians", of.number("turn"));
+  if (of.number("way") > max_way) {
+    text += ": too far for motion in continuous time; at 0.2 σ the effective swim speed is about 10 % too small";
+  } else if (of.number("turn") > max_turn) {
+    text += ": too much for a heading that turns smoothly; a shorter time makes it less";
+  }
+  return text;
+}
+
 std::string text_of_setup(Event const& event) {
   Values const of{event};
   switch (event.kind) {
@@ -149,6 +170,8 @@ std::string text_of_setup(Event const& event) {
           "which "
           "ends a run; collisions.contact_time, far shorter than the time between collisions, is a remedy",
           of.number("restitution"));
+    case EventKind::propulsion:
+      return text_of_propulsion(of);
     case EventKind::fast_on_ranks:
       return fmt::format(
           "some disks are {:.3g} times as fast as engine.speed = {:.6g}: on ranks such disks wait for one another, and "

@@ -72,6 +72,9 @@ std::vector<Row> rows() {
     for (std::string const& engine : engine_kinds()) all.push_back({scene, engine});
   }
   for (Scene const& scene : golden::scenes_of_exact()) all.push_back({scene, "exact"});
+  for (Scene const& scene : golden::scenes_of_active_disks()) {
+    for (char const* const engine : {"stepped", "tiled"}) all.push_back({scene, engine});
+  }
   return all;
 }
 

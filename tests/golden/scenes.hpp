@@ -112,6 +112,31 @@ inline std::vector<Scene> scenes_of_exact() {
        .engine = {.collisions = {.restitution = 0.8, .wall_restitution = 0.9, .contact_time = 1e-3},
                   .gravity = {.y = -1.0},
                   .walls = {{.from = {0.1, 0.3}, .to = {0.5, 0.3}}, {.from = {0.8, 0.2}, .to = {0.8, 0.7}}}}},
+      {.name = "brownian_active",
+       .box = Box(1.2, 1.0, Edge::periodic),
+       .disks = {.count = 300, .packing_fraction = 0.4, .start = StartKind::random},
+       .engine = {.thermostat = brownian, .propulsion = {.speed = 1.5, .rotational_diffusion = 5.0}},
+       .time = 0.5},
+  };
+}
+
+/// Scenes of self-propelled disks, for the engines with a time step.
+inline std::vector<Scene> scenes_of_active_disks() {
+  PropulsionSettings const propulsion{.speed = 0.5, .rotational_diffusion = 2.0};
+  return {
+      {.name = "active",
+       .box = Box(1.2, 1.0, Edge::periodic),
+       .disks = {.count = 300,
+                 .packing_fraction = 0.5,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
+       .engine = {.speed = 0.5, .propulsion = propulsion},
+       .time = 2.0},
+      {.name = "active_crowd",
+       .box = Box(1.0, 1.0, Edge::wall),
+       .disks = {.count = 10'000, .packing_fraction = 0.6, .start = StartKind::triangular},
+       .engine = {.speed = 0.5, .propulsion = propulsion},
+       .time = 0.1},
   };
 }
 

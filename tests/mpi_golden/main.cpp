@@ -67,6 +67,9 @@ int main(int argc, char** argv) {
     for (gridlock::golden::Scene const& scene : gridlock::golden::scenes()) {
       run_disks(ranks, scene, std::stoul(argv[1]));
     }
+    for (gridlock::golden::Scene const& scene : gridlock::golden::scenes_of_active_disks()) {
+      run_disks(ranks, scene, std::stoul(argv[1]));
+    }
     gridlock::golden::for_each_shared_scene(
         [&](std::string const& scene, auto const& model, gridlock::Box const& box, std::uint64_t steps) {
           run_model(ranks, scene, model, box, steps, std::stoul(argv[1]));

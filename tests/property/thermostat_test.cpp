@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
@@ -26,6 +27,7 @@ struct ThermostatCase {
   std::string name;
   ThermostatSettings thermostat;
   SceneSettings scene;
+  PropulsionSettings propulsion = {};
 
   friend std::ostream& operator<<(std::ostream& out, ThermostatCase const& c) { return out << c.name; }
 };
@@ -48,6 +50,8 @@ std::vector<ThermostatCase> cases() {
           {"brownian_seldom", brownian(0.9), fluid},
           {"brownian_mixture", brownian(0.01), mixture},
           {"brownian_one", brownian(0.05), one},
+          {"active", brownian(0.02), fluid, {.speed = 2.0, .rotational_diffusion = 3.0}},
+          {"active_mixture", brownian(0.01), mixture, {.speed = 2.0, .rotational_diffusion = 3.0}},
           {"andersen", andersen, fluid},
           {"andersen_mixture", andersen, mixture},
           {"andersen_one", andersen, one}};
@@ -55,7 +59,7 @@ std::vector<ThermostatCase> cases() {
 
 class Thermostats : public testing::TestWithParam<ThermostatCase> {
  protected:
-  static EngineSettings settings() { return {.kind = "exact", .audit_every = 7, .thermostat = GetParam().thermostat}; }
+  static EngineSettings settings() { return {.kind = "exact", .audit_every = 7, .thermostat = GetParam().thermostat, .propulsion = GetParam().propulsion}; }
   static State start(std::uint64_t seed) {
     SceneSettings scene = GetParam().scene;
     scene.seed = seed;
@@ -87,6 +91,7 @@ TEST_P(Thermostats, KickAtTheSameTimesHoweverTheRunIsCut) {
     EXPECT_EQ(hash(whole), hash(cut));
     EXPECT_EQ(whole_counters.pair_collisions, counters.pair_collisions);
     EXPECT_EQ(whole_counters.pair_virial, counters.pair_virial);
+    EXPECT_EQ(whole_counters.swum, counters.swum);
   }
 }
 
@@ -104,6 +109,7 @@ TEST_P(Thermostats, GoOnFromACheckpointWithTheSameBits) {
   other->advance(resumed, resumed_counters, {.step = 50});
   EXPECT_EQ(hash(state), hash(resumed));
   EXPECT_EQ(counters.pair_virial, resumed_counters.pair_virial);
+  EXPECT_EQ(counters.swum, resumed_counters.swum);
 }
 
 TEST_P(Thermostats, DependOnIdsAndNotOnRows) {

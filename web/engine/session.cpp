@@ -277,7 +277,7 @@ std::vector<float> Session::drawn_column(std::string const& name) {
   };
   // A plain column can be read without a copy of the other columns.
   std::vector<std::string> const colours = colours_of(first_);
-  if (first_.find(name) != nullptr || std::ranges::find(colours, name) == colours.end())
+  if (simulation().view().has(name) || std::ranges::find(colours, name) == colours.end())
     return as_floats(numbers_of(name));
   if (name == "neighbourhood" || name == "radius") return radii();
   return as_floats(colour_values(first_, simulation().frame(), name));

@@ -28,6 +28,7 @@ enum class Purpose : std::uint64_t {
   model_step = 6,    ///< events in a step that belong to no single agent
   swap_trial = 7,    ///< trial moves of swap Monte Carlo
   thermostat = 8,    ///< waiting times and velocities of kicks
+  heading = 9,       ///< headings of self-propelled disks
   model_turn = 256,  ///< this number and those above it: see purpose_of_turn()
 };
 

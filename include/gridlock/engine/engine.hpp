@@ -27,8 +27,10 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/frame_source.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/engine/grains.hpp"
+#include "gridlock/engine/propulsion.hpp"
 #include "gridlock/engine/thermostat.hpp"
 #include "gridlock/parallel/detail/all_processes.hpp"
 
@@ -92,6 +94,9 @@ class EngineFor {
   /// Serializes the data that the engine keeps between two calls of advance(), after the world. Restored into an engine
   /// made for the same start, the run continues with the same bits. Most engines keep no data.
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
+
+  /// Calls use() with a frame of the world and the columns that the engine alone knows, such as headings.
+  virtual void give_frame(FrameSource const& of_world, UseFrame const& use) const { use(of_world); }
 };
 
 /// The rule for a disk that halts at another disk: they collide always (the rule of the paper), or only if they
@@ -117,6 +122,7 @@ struct EngineSettings {
   CollisionSettings collisions = {};     ///< exact: the settings `[collisions]`
   GravitySettings gravity = {};          ///< exact: the settings `[gravity]`
   std::vector<WallSettings> walls = {};  ///< the walls inside the box, `[[walls]]`
+  PropulsionSettings propulsion = {};    ///< the settings `[propulsion]`
   AllProcesses processes = {};           ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
@@ -163,6 +169,9 @@ EngineRecord const& engine_record(std::string_view kind);
 
 /// Errors: Error for a thermostat, a loss of energy, gravity or walls that the engine does not know.
 void require_known(EngineRecord const& engine, EngineSettings const& settings);
+
+/// Errors: Error under "propulsion.speed" where disks of the engine cannot propel themselves with these settings.
+void require_propulsion(EngineRecord const& engine, EngineSettings const& settings);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error with the setting for an unknown kind, or for a set-up that the engine cannot advance correctly.

@@ -142,6 +142,8 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor);
 struct DynamicsTraits {
   bool keeps_counters = true;  ///< whether it keeps Counters, see Requirements::collisions
   bool halts_moves = true;     ///< whether a move ends where disks would overlap
+  bool propels = false;        ///< whether disks propel themselves
+  bool has_impulses = true;    ///< whether disks that meet, and walls, exchange momentum
 };
 
 /// Returns every observable whose requirements the world meets; begin(start) has been called.

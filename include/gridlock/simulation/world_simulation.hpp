@@ -77,7 +77,9 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return observables_.results(); }
   [[nodiscard]] std::vector<Distribution> distributions() const override { return observables_.distributions(); }
 
-  void give_frame(UseFrame const& use) const override { gridlock::give_frame(processes_, world_, use); }
+  void give_frame(UseFrame const& use) const override {
+    gridlock::give_frame(processes_, world_, [&](FrameSource const& frame) { engine_->give_frame(frame, use); });
+  }
 
   void serialize(Archive& archive) override {
     serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });

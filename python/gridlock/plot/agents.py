@@ -59,6 +59,8 @@ def usual_colour(frame: Frame) -> str:
     for name in reversed(list(frame.columns)):
         if frame.columns[name].dtype.kind == "u":
             return name
+    if "heading_x" in frame.columns:
+        return "direction"
     return "direction" if "radius" not in frame.columns and "direction" in colours_of(frame) else "radius"
 
 
@@ -199,6 +201,13 @@ def _colour_by_name(axes: Any, disks: Any, frame: Frame, rows: NDArray[np.intp],
         _colour_by_value(axes, disks, values[rows].astype(float), label or usual, limits)
 
 
+def _draw_headings(axes: Any, frame: Frame, places: NDArray[np.float64], radii: NDArray[np.float64], rows: NDArray[np.intp]) -> None:
+    """A dot near the rim of each disk, where it is heading."""
+    headings = np.stack([frame.columns["heading_x"], frame.columns["heading_y"]], axis=1)[rows]
+    dots: Any = Disks(axes, places + 0.6 * radii[rows, None] * headings, 0.25 * radii[rows])
+    dots.set_facecolor(INK)
+
+
 def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None) -> None:
     box = frame.box
     if grid is not None:
@@ -273,5 +282,7 @@ def snapshot(
         disks.set_facecolor(_rgba(NEIGHBOURHOODS)[neighbourhood_colours(frame, *grid)[rows]])
     else:
         _colour_by_radius(axes, disks, radii, rows)
+    if "radius" in frame.columns and "heading_x" in frame.columns:
+        _draw_headings(axes, frame, places, radii, rows)
     _draw_box(axes, frame, grid)
     return axes

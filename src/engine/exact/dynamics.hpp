@@ -103,11 +103,14 @@ class Dynamics final : public Flight {
   [[nodiscard]] double scale() const { return growth_.scale.at(now_); }
 
   /// The velocity that a kick gives to a disk.
-  using VelocityOf = std::function<Vector(Id id, double mass)>;
+  using VelocityOf = std::function<Vector(Id id, std::uint32_t id_index, double mass)>;
   /// Gives all disks new velocities at the time `elapsed`, to which run() has come, and begins an epoch that ends at
   /// `next`, the time of the next kick, at the latest. Contract: nothing grows; run() is not asked for times after
   /// `next` before that kick.
   void kick_all(double elapsed, double next, VelocityOf const& velocity_of);
+  /// Calls visit(Id, id index, centre) for each disk at the time `elapsed`, to which run() has come, in any order. In a
+  /// periodic box the centre is that of a disk that was never moved to the other side.
+  void visit_disks(double elapsed, std::function<void(Id, std::uint32_t, Vector)> const& visit) const;
   /// Gives one disk a new velocity at the time `elapsed`, to which run() has come. Returns its Id.
   /// Contract: one thread, and nothing grows.
   Id kick(double elapsed, std::uint32_t id_index, VelocityOf const& velocity_of);

@@ -30,7 +30,7 @@ void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_
   now_ = 0.0;
   for (std::size_t i = 0; i < size_; ++i) {
     MovingDisk& disk = disks_[i];
-    Vector const v = velocity_of(id_of(static_cast<Index>(i)), mass_of(static_cast<Index>(i)));
+    Vector const v = velocity_of(id_of(static_cast<Index>(i)), disk.id_index, mass_of(static_cast<Index>(i)));
     disk.velocity_x = v.x;
     disk.velocity_y = v.y;
     disk.last_hit = 0.0;
@@ -56,11 +56,25 @@ void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_
   open_calendar();
 }
 
+void Dynamics::visit_disks(double elapsed, std::function<void(Id, std::uint32_t, Vector)> const& visit) const {
+  double const time = std::max(elapsed - epoch_start_, now_);
+  Vector const fallen = fall(gravity_, time);
+  for (std::size_t i = 0; i < size_; ++i) {
+    // As in write_at(), so that the bits are those of any number of threads.
+    MovingDisk const& disk = disks_[i];
+    int x = image_[i].x;
+    int y = image_[i].y;
+    Vector const p = box_.wrap(Vector{disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time} + fallen, x, y);
+    visit(id_of(static_cast<Index>(i)), disk.id_index,
+          {p.x + static_cast<double>(x) * box_.width(), p.y + static_cast<double>(y) * box_.height()});
+  }
+}
+
 Id Dynamics::kick(double elapsed, std::uint32_t id_index, VelocityOf const& velocity_of) {
   now_ = std::max(elapsed - epoch_start_, now_);
   Index const i = disk_of(id_index);
   MovingDisk& disk = disks_[i];
-  Vector const v = velocity_of(id_of(i), mass_of(i));
+  Vector const v = velocity_of(id_of(i), id_index, mass_of(i));
   Vector const at_zero = v - now_ * gravity_;
   disk.x += (disk.velocity_x - at_zero.x) * now_;
   disk.y += (disk.velocity_y - at_zero.y) * now_;

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "engine/exact/dynamics.hpp"
+#include "engine/headings.hpp"
+#include "gridlock/core/detail/exact_sum.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 
 namespace gridlock::exact {
@@ -20,9 +22,43 @@ Vector Thermostat::velocity(RandomStream& random, double mass) const {
   return {width * x, width * random.normal()};
 }
 
-Vector Thermostat::velocity_of(std::uint64_t kick, Id id, double mass) const {
+Vector Thermostat::velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const {
   RandomStream random = draws(kick, id);
-  return velocity(random, mass);
+  Vector const thermal = velocity(random, mass);
+  return headings_.empty() ? thermal : thermal + propulsion_.speed * headings_[id_index];
+}
+
+/// Takes headings from the velocities.
+void Thermostat::begin_swimming(State const& state) {
+  Disks const& disks = state.agents;
+  headings_.clear();
+  places_.clear();
+  if (!propulsion_.is_on()) return;
+  for (std::uint32_t const row : rows_in_order(disks.ids())) {
+    headings_.push_back(first_heading(state.seed, disks.ids()[row], gridlock::velocity(disks, row)));
+    Vector const p = position(disks, row);
+    places_.push_back({p.x + static_cast<double>(disks.column<ImageX>()[row]) * state.box.width(),
+                       p.y + static_cast<double>(disks.column<ImageY>()[row]) * state.box.height()});
+  }
+}
+
+/// Adds up how far the disks have swum in the flight that ends at a kick, and turns their headings.
+void Thermostat::turn_headings(Dynamics const& dynamics, std::uint64_t kick, double elapsed, Counters& counters) {
+  double const width = turn_width(propulsion_, *settings_.interval);
+  ExactSum way;
+  dynamics.visit_disks(elapsed, [&](Id id, std::uint32_t id_index, Vector place) {
+    Vector& heading = headings_[id_index];
+    way.add(dot(place - places_[id_index], heading));
+    places_[id_index] = place;
+    RandomStream random(seed_, kick, id, Purpose::heading);
+    Vector const turned = rotated(heading, direction(width * random.normal()));
+    heading = (1.5 - 0.5 * squared_length(turned)) * turned;
+  });
+  if (is_flight_whole_) {
+    counters.swum += way.value() / (propulsion_.speed * *settings_.interval);
+    counters.swum_if_free += static_cast<double>(headings_.size());
+  }
+  is_flight_whole_ = true;
 }
 
 void Thermostat::start_from(State& state) {
@@ -30,9 +66,13 @@ void Thermostat::start_from(State& state) {
   if (is_brownian()) {
     next_kick_ = static_cast<std::uint64_t>(std::max(0.0, std::ceil(state.clock.time / *settings_.interval)));
     while (time_of(next_kick_) < state.clock.time) ++next_kick_;
-    if (time_of(next_kick_) > state.clock.time) return;
-    for (std::size_t row = 0; row < disks.size(); ++row) {
-      Vector const v = velocity_of(next_kick_, disks.ids()[row], disks.column<Mass>()[row]);
+    begin_swimming(state);
+    is_flight_whole_ = time_of(next_kick_) == state.clock.time;
+    if (!is_flight_whole_) return;
+    std::vector<std::uint32_t> const rows = rows_in_order(disks.ids());
+    for (std::uint32_t id_index = 0; id_index < rows.size(); ++id_index) {
+      std::uint32_t const row = rows[id_index];
+      Vector const v = velocity_of(next_kick_, disks.ids()[row], id_index, disks.column<Mass>()[row]);
       disks.column<VelocityX>()[row] = v.x;
       disks.column<VelocityY>()[row] = v.y;
     }
@@ -56,17 +96,20 @@ void Thermostat::plan_kick(std::uint32_t id_index, Id id, double time) {
   std::push_heap(kicks_.begin(), kicks_.end());
 }
 
-void Thermostat::kick(Dynamics& dynamics, double start_time) {
+void Thermostat::kick(Dynamics& dynamics, double start_time, Counters& counters) {
   if (is_brownian()) {
     std::uint64_t const kick = next_kick_++;
-    dynamics.kick_all(time_of(kick) - start_time, time_of(next_kick_) - start_time,
-                      [&](Id id, double mass) { return velocity_of(kick, id, mass); });
+    double const elapsed = time_of(kick) - start_time;
+    if (propulsion_.is_on()) turn_headings(dynamics, kick, elapsed, counters);
+    dynamics.kick_all(
+        elapsed, time_of(next_kick_) - start_time,
+        [&](Id id, std::uint32_t id_index, double mass) { return velocity_of(kick, id, id_index, mass); });
     return;
   }
   std::pop_heap(kicks_.begin(), kicks_.end());
   KickOfDisk const due = kicks_.back();
   kicks_.pop_back();
-  Id const id = dynamics.kick(due.time - start_time, due.id_index, [&](Id of_disk, double mass) {
+  Id const id = dynamics.kick(due.time - start_time, due.id_index, [&](Id of_disk, std::uint32_t /*id_index*/, double mass) {
     RandomStream random = draws(kick_counts_[due.id_index], of_disk);
     static_cast<void>(random.exponential());  // the waiting time, which was drawn before
     return velocity(random, mass);
@@ -82,6 +125,7 @@ void Thermostat::serialize(Archive& archive, State const& state) {
   archive.visit("next_kick", next_kick_);
   archive.visit("kick_times", times);
   archive.visit("kick_counts", kick_counts_);
+  if (propulsion_.is_on()) serialize_swimming(archive, state.agents.size());
   if (!archive.is_restoring()) return;
   archive.require(times.size() == disks && kick_counts_.size() == disks,
                   "the thermostat has other disks than the state");
@@ -91,6 +135,24 @@ void Thermostat::serialize(Archive& archive, State const& state) {
     kicks_.push_back({.time = times[id_index], .id_index = id_index});
   }
   std::make_heap(kicks_.begin(), kicks_.end());
+}
+
+void Thermostat::serialize_swimming(Archive& archive, std::size_t disks) {
+  archive.visit("is_flight_whole", is_flight_whole_);
+  auto const visit = [&](char const* name, std::vector<Vector>& vectors) {
+    std::vector<double> numbers;
+    for (Vector const v : vectors) numbers.insert(numbers.end(), {v.x, v.y});
+    archive.visit(name, numbers);
+    archive.require(numbers.size() == 2 * disks, "the headings are those of other disks than the state has");
+    vectors.resize(disks);
+    for (std::size_t k = 0; k < disks; ++k) vectors[k] = {numbers[2 * k], numbers[2 * k + 1]};
+  };
+  visit("headings", headings_);
+  visit("places", places_);
+  for (std::size_t k = 0; k < disks; ++k) {
+    archive.require(std::abs(squared_length(headings_[k]) - 1.0) < 1e-9, "a heading has not the length 1");
+    archive.require(std::isfinite(places_[k].x) && std::isfinite(places_[k].y), "a disk has no place");
+  }
 }
 
 }  // namespace gridlock::exact

@@ -2,10 +2,15 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/counters.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
+#include "gridlock/core/vector.hpp"
+#include "gridlock/engine/propulsion.hpp"
 #include "gridlock/engine/thermostat.hpp"
 
 namespace gridlock::exact {
@@ -18,7 +23,8 @@ class Dynamics;
 class Thermostat {
  public:
   /// Contract: resolved settings.
-  Thermostat(ThermostatSettings const& settings, std::uint64_t seed) : settings_(settings), seed_(seed) {}
+  Thermostat(ThermostatSettings const& settings, PropulsionSettings const& propulsion, std::uint64_t seed)
+      : settings_(settings), propulsion_(propulsion), seed_(seed) {}
 
   [[nodiscard]] bool is_brownian() const { return settings_.kind == ThermostatKind::brownian; }
   /// The time of the next kick; infinity where there is none.
@@ -26,8 +32,11 @@ class Thermostat {
 
   /// Plans the kicks after the clock of a state, and gives it the one that is due now.
   void start_from(State& state);
-  /// Gives the kick of next_time() to a dynamics whose time began at `start_time`.
-  void kick(Dynamics& dynamics, double start_time);
+  /// Gives the kick of next_time() to a dynamics whose time began at `start_time`; counts how far disks have swum.
+  void kick(Dynamics& dynamics, double start_time, Counters& counters);
+
+  /// The headings of self-propelled disks by id index; empty for others, and before start_from().
+  [[nodiscard]] std::span<Vector const> headings() const { return headings_; }
 
   /// Contract: the state has the disks that the kicks are planned for.
   void serialize(Archive& archive, State const& state);
@@ -49,14 +58,21 @@ class Thermostat {
   }
   [[nodiscard]] RandomStream draws(std::uint64_t kick, Id id) const { return {seed_, kick, id, Purpose::thermostat}; }
   [[nodiscard]] Vector velocity(RandomStream& random, double mass) const;
-  [[nodiscard]] Vector velocity_of(std::uint64_t kick, Id id, double mass) const;
+  [[nodiscard]] Vector velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const;
+  void begin_swimming(State const& state);
+  void turn_headings(Dynamics const& dynamics, std::uint64_t kick, double elapsed, Counters& counters);
+  void serialize_swimming(Archive& archive, std::size_t disks);
   void plan_kick(std::uint32_t id_index, Id id, double time);
 
   ThermostatSettings settings_;
+  PropulsionSettings propulsion_;
   std::uint64_t seed_;
   std::uint64_t next_kick_ = 0;             ///< of brownian
   std::vector<KickOfDisk> kicks_;           ///< of andersen, a heap
   std::vector<std::uint64_t> kick_counts_;  ///< of andersen, by id index: the number of the draw of the next kick
+  std::vector<Vector> headings_;            ///< of self-propelled disks, by id index
+  std::vector<Vector> places_;              ///< where they were at the last kick, by id index
+  bool is_flight_whole_ = false;            ///< whether a kick began their present flight
 };
 
 }  // namespace gridlock::exact

@@ -53,13 +53,15 @@ std::array<std::uint64_t, 8> bits_of(DiskInTurn const& disk) {
 
 }  // namespace
 
-Share::Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, LargeArray<DiskInTurn>&& disks)
+Share::Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, std::uint64_t step,
+             LargeArray<DiskInTurn>&& disks)
     : domain_(std::move(domain)),
       processes_(domain_.processes()),
       rule_(rule),
       layout_(domain_.cells()),
       tiling_(layout_),
-      thread_pool_(threads) {
+      thread_pool_(threads),
+      step_(step) {
   // A ring of two cells is twice as wide as a local turn needs; disks are hardly ever faster than that.
   constexpr int usual_reach = 2;
   place(std::move(disks), usual_reach);
@@ -162,7 +164,7 @@ void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> cons
 void Share::take_step() {
   if (steps_since_sort_ == steps_between_sorts) place_anew(reach_);
   ++steps_since_sort_;
-  steps_->begin_step();
+  steps_->begin_step(step_++);
   late_.clear();
   for (std::size_t round = 0; round < Tiling::colours; ++round) exchange(round);
   take_late_turns();

@@ -57,8 +57,9 @@ struct CellsMessage {
 /// All processes construct it and call take_step() together. The bits are those of a run in one process.
 class Share {
  public:
-  /// `disks` are those in the tiles of this process, with memory for room_for_rim() disks.
-  Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, LargeArray<DiskInTurn>&& disks);
+  /// `disks` are those in the tiles of this process, with memory for room_for_rim() disks; `step` is the first to take.
+  Share(Domain&& domain, TurnRule const& rule, std::uint64_t threads, std::uint64_t step,
+        LargeArray<DiskInTurn>&& disks);
 
   void take_step();
 
@@ -132,6 +133,7 @@ class Share {
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;
   std::uint64_t steps_since_sort_ = 0;
+  std::uint64_t step_;  ///< the next step
   std::vector<LateDisk> late_;  ///< disks too fast for their tile, in the order of turns
   bool may_jump_ = false;       ///< whether a disk of any process may jump over another
   std::optional<Jump> jump_;

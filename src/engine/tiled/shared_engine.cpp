@@ -49,7 +49,9 @@ class PartOfProcess {
     hand_out(id_indices);
   }
   /// Constructs the share.
-  void begin(std::uint64_t threads) { share_.emplace(std::move(domain_), rule_, threads, std::move(in_tiles_)); }
+  void begin(std::uint64_t threads) { 
+    share_.emplace(std::move(domain_), rule_, threads, own_.clock.step, std::move(in_tiles_));
+  }
 
   [[nodiscard]] Share& share() { return *share_; }
 
@@ -212,12 +214,14 @@ RowProblems problems_of_rows(Communicator& processes, State const& own) {
   return problems;
 }
 
-TurnRule rule_of(EngineSettings const& settings, Box const& box, DisksOverview const& all) {
-  return {.box = box,
-          .duration = step_duration(settings, all.radii.smallest),
+TurnRule rule_of(EngineSettings const& settings, State const& own, DisksOverview const& all) {
+  double const duration = step_duration(settings, all.radii.smallest);
+  return {.box = own.box,
+          .duration = duration,
           .substeps = settings.substeps,
           .contact = settings.contact,
-          .radii = all.radii};
+          .radii = all.radii,
+          .heading = heading_rule(settings.propulsion, duration, own.seed)};
 }
 
 }  // namespace
@@ -275,7 +279,7 @@ void SharedTiledEngine::advance(State& own, Counters& counters, StopCondition co
   std::exception_ptr thrown;
   std::optional<LongSubstep> long_substep;
   do_or_abandon(processes, [&] {
-    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own.box, all_),
+    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own, all_),
                               tiled_layout(settings_, own.box, all_), own, id_indices_);
     own.agents.forget_values();
     part.begin(settings_.threads);
@@ -296,7 +300,7 @@ void SharedTiledEngine::require_no_overlaps(State const& own) const {
   Communicator& processes = settings_.processes.communicator();
   std::vector<Problem> problems;
   do_or_abandon(processes, [&] {
-    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own.box, all_),
+    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own, all_),
                               tiled_layout(settings_, own.box, all_), own, id_indices_);
     part.begin(settings_.threads);
     problems = tiled::problems_of(processes, part, rounding_of_contact(own.box, all_.radii.smallest));

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/disks_overview.hpp"
+#include "engine/heading_columns.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -28,6 +29,9 @@ class SharedTiledEngine final : public Engine {
   /// Checks each disk of this process, but not overlaps.
   void require_valid(State const& own) const override;
   void take_restored(State& own) override;
+  void give_frame(FrameSource const& of_world, UseFrame const& use) const override {
+    give_frame_with_headings(settings_.propulsion, of_world, use);
+  }
 
  private:
   /// Numbers the rows by Id, in the order that the constructor requires.

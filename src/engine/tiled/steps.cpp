@@ -39,7 +39,8 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
             .disks = disks_.all(),
             .substep = rule.duration / static_cast<double>(rule.substeps),
             .substeps = rule.substeps,
-            .contact = rule.contact},
+            .contact = rule.contact,
+            .heading = rule.heading.is_on() ? &heading_ : nullptr},
       grid_(grid_of_window(layout, window, disks_)),
       turns_(view_, grid_, rule.radii, rule.duration),
       cutoff_(rule_.box, rule.radii.largest, rule.duration, rule.substeps),
@@ -50,6 +51,7 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
       results_(tiles_.size()),
       turns_of_tile_(tiles_.size(),
                      static_cast<std::uint32_t>(disks_.size() / std::max<std::size_t>(1, tiles_.size()))) {
+  set_speeds(rule_.heading, disks_.all());
   id_indices_.reserve(disks_.size());
   for (std::size_t k = 0; k < disks_.size(); ++k) id_indices_.push_back(disks_[k].id_index);
   for (std::size_t k = 0; k < tiles_.size(); ++k) place_of_tile_[tiles_[k]] = static_cast<std::uint32_t>(k);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/headings.hpp"
 #include "engine/hot_disks.hpp"
 #include "engine/packed_turns.hpp"
 #include "engine/tiled/fetch_ahead.hpp"
@@ -25,6 +26,7 @@ struct TurnRule {
   std::uint64_t substeps;
   CollisionRule contact;
   RadiusRange radii;
+  HeadingRule heading = {};
 };
 
 /// A disk that could jump over another in a sub-step.
@@ -48,7 +50,10 @@ class Steps {
   Steps(Steps const&) = delete;
   Steps& operator=(Steps const&) = delete;
 
-  void begin_step() { marks_of_turned_ ^= all_slots; }
+  void begin_step(std::uint64_t step) {
+    marks_of_turned_ ^= all_slots;
+    if (rule_.heading.is_on()) heading_ = heading_step(rule_.heading, step);
+  }
 
   /// Takes the turns in these tiles, except for disks too fast for their tile. Different parts may be taken at once.
   void take_part(Tiling::Part const& part);
@@ -85,6 +90,7 @@ class Steps {
   TurnRule rule_;
   Tiling const& tiling_;
   HotDisks disks_;
+  HeadingStep heading_{};  ///< of the present step
   TurnView view_;
   PackedGrid grid_;
   PackedTurns turns_;

@@ -24,6 +24,8 @@ const THERMOSTAT_KEYS: Readonly<Record<string, readonly string[]>> = {
 };
 /** Of the engine exact: grains. */
 const GRAIN_KEYS = ["collisions.restitution", "gravity.y"];
+/** Of disks: v₀, and D_R where they swim. */
+const PROPULSION_KEYS = ["propulsion.speed", "propulsion.rotational_diffusion"];
 const COMMON_KEYS = ["box.edge", "run.seed"];
 
 const NAMES: Readonly<Record<string, string>> = {
@@ -39,6 +41,8 @@ const NAMES: Readonly<Record<string, string>> = {
   "thermostat.temperature": "Temperature kT",
   "collisions.restitution": "Restitution e",
   "gravity.y": "Gravity",
+  "propulsion.speed": "Swim speed v₀",
+  "propulsion.rotational_diffusion": "Rotational diffusion D_R",
   "box.edge": "Edge of the box",
   "run.seed": "Seed",
 };
@@ -47,6 +51,8 @@ const RANGES: Readonly<Record<string, Range>> = {
   "disks.count": { least: 4, most: 100_000, logarithmic: true, integer: true },
   "velocities.max": { least: 0, most: 5 },
   "engine.time_step": { least: 0.005, most: 0.5, logarithmic: true },
+  "propulsion.speed": { least: 0, most: 5 },
+  "propulsion.rotational_diffusion": { least: 0, most: 1 },
   "engine.cells": { least: 1, most: 60, integer: true },
   "collisions.restitution": { least: 0.1, most: 1 },
   "gravity.y": { least: -10, most: 10 },
@@ -64,9 +70,12 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
 }
 
 function keysOfEngine(values: Values): string[] {
-  if (values["engine.kind"] !== "exact") return ENGINE_KEYS;
-  const thermostat = THERMOSTAT_KEYS[String(values["thermostat.kind"] ?? "none")] ?? [];
-  return [...ENGINE_KEYS.filter((key) => key !== "engine.contact"), ...thermostat, ...GRAIN_KEYS];
+  const swims = Number(values["propulsion.speed"] ?? 0) > 0;
+  const propulsion = PROPULSION_KEYS.filter((key) => swims || key === "propulsion.speed");
+  const engine = ENGINE_KEYS.filter((key) => key !== "engine.contact" || (values["engine.kind"] !== "exact" && !swims));
+  if (values["engine.kind"] !== "exact") return [...engine, ...propulsion];
+  const kind = String(values["thermostat.kind"] ?? "none");
+  return [...engine, ...(THERMOSTAT_KEYS[kind] ?? []), ...GRAIN_KEYS, ...(kind === "brownian" ? propulsion : [])];
 }
 
 function isSimple(setting: SettingDescription): boolean {

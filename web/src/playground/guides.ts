@@ -35,6 +35,11 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "The chart *Mean displacement*: disks that lose their velocity after every *Interval* spread as the square root of time, free ones faster.",
     ask: "How long does a disk of diameter 1 need to go as far as itself, with the bath and without? How does that depend on the *Interval*?",
   },
+  active: {
+    act: "Press *Run* and wait for clusters. Then set *Rotational diffusion D_R* to 1, and to 0.02 again.",
+    see: "Disks that swim into each other halt until their headings have turned away: while they wait, others arrive. The chart of *effective swim speed* falls as clusters grow.",
+    ask: "Disks do not attract each other. Why do they gather all the same, and why not where *Rotational diffusion D_R* is large?",
+  },
   epidemic_mixed: {
     act: "Press *Run*. Then set *Speed* to 0.005, so that each meets the same few others again and again.",
     see: "The curve of the infected: how high its peak is, and when it comes.",

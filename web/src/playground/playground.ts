@@ -392,7 +392,7 @@ export class Playground {
     const { info, frame } = this;
     if (info === undefined || frame === undefined) return;
     const colouring = colouringOf(info, frame, this.chosenColour, this.range);
-    const isFlock = colouring.by === "directions";
+    const isFlock = colouring.by === "directions" && !info.drawnColumns.some((column) => column.name === "radius");
     const shown: Frame = {
       box: info.box,
       count: frame.count,

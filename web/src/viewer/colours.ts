@@ -18,17 +18,17 @@ export function coloursOf(columns: readonly string[], frames: number): { value: 
   const made = [PLAIN];
   if (frames > 1) made.push(DISPLACEMENT);
   if (!columns.includes(ORDER)) made.push(ORDER);
-  if (columns.includes("velocity_x") && columns.includes("velocity_y")) {
-    made.push(...[SPEED, DIRECTION].filter((name) => !columns.includes(name)));
-  }
+  const motion = columns.includes("velocity_x") && columns.includes("velocity_y") ? [SPEED, DIRECTION]
+    : columns.includes("heading_x") ? [DIRECTION] : [];
+  made.push(...motion.filter((name) => !columns.includes(name)));
   const names: Readonly<Record<string, string>> = { [PLAIN]: "size", [ORDER]: "|ψ6|" };
   const own = columns.filter((name) => !NO_COLOURS.has(name));
   return [...made, ...own].map((value) => ({ value, name: names[value] ?? words(value) }));
 }
 
-/** The direction where agents have no size, else a kind, else the size. */
+/** The direction where agents have headings or no size, else a kind, else the size. */
 export function usualColour(columns: readonly string[]): string {
-  if (columns.includes(DIRECTION)) return DIRECTION;
+  if (columns.includes(DIRECTION) || columns.includes("heading_x")) return DIRECTION;
   return ["health", "species", "kind"].find((name) => columns.includes(name)) ?? PLAIN;
 }
 
@@ -69,8 +69,8 @@ export function toDrawn(frame: SourceFrame): Frame {
 
 function directions({ columns, ids }: SourceFrame): Numbers | undefined {
   const own = columns[DIRECTION];
-  const x = columns["velocity_x"];
-  const y = columns["velocity_y"];
+  const x = columns["heading_x"] ?? columns["velocity_x"];
+  const y = columns["heading_y"] ?? columns["velocity_y"];
   if (own !== undefined || x === undefined || y === undefined) return own;
   return Float32Array.from(ids, (_, row) => Math.atan2(numberAt(y, row), numberAt(x, row)));
 }

@@ -72,6 +72,20 @@ const DISKS: Readonly<Record<string, string>> = {
     "disks.count = 100\ndisks.packing_fraction = 0.2\ndisks.species = [{ fraction = 0.1, fixed = true }, { fraction = 0.9 }]\n" +
     "collisions = { restitution = 0.8, wall_restitution = 0.9, contact_time = 1e-3 }\ngravity.y = -1\nrun.time = 1\n" +
     "walls = [{ from = [0.1, 0.3], to = [0.5, 0.3] }, { from = [0.8, 0.2], to = [0.8, 0.7] }]",
+  brownian_active:
+    PERIODIC +
+    'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +
+    'thermostat = { kind = "brownian", temperature = 0.5, interval = 0.004 }\n' +
+    "propulsion = { speed = 1.5, rotational_diffusion = 5 }",
+  active:
+    PERIODIC +
+    'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.5\ndisks.start = "random"\nrun.time = 2\n' +
+    "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]\n" +
+    "propulsion = { speed = 0.5, rotational_diffusion = 2 }",
+  active_crowd:
+    WALLS +
+    'disks.count = 10_000\ndisks.packing_fraction = 0.6\ndisks.start = "triangular"\nrun.time = 0.1\n' +
+    "propulsion = { speed = 0.5, rotational_diffusion = 2 }",
 };
 
 const MODELS: Readonly<Record<string, string>> = {
