@@ -18,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "core/highway-inl.hpp"
+#include "engine/disks_in_registers-inl.hpp"
 #include "engine/headings-inl.hpp"
 
 // Without vector instructions the plain C++ in turn.hpp is faster than Highway with one lane.
@@ -84,53 +85,6 @@ using Turns = unsigned;
 template <class D>
 using Single = hn::Rebind<float, D>;
 
-template <class D>
-HWY_INLINE Vectors<D> positions_of(D tag, DiskInTurn const* const* disks) {
-  double const* from[hn::MaxLanes(D())];
-  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->position.x;
-  return pairs_of(tag, from);
-}
-template <class D>
-HWY_INLINE Vectors<D> velocities_of(D tag, DiskInTurn const* const* disks) {
-  double const* from[hn::MaxLanes(D())];
-  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->velocity.x;
-  return pairs_of(tag, from);
-}
-template <class D>
-HWY_INLINE hn::Vec<D> radii_of(D tag, DiskInTurn const* const* disks) {
-  static_assert(offsetof(DiskInTurn, mass) == offsetof(DiskInTurn, radius) + sizeof(double));
-  double const* from[hn::MaxLanes(D())];
-  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->radius;
-  return pairs_of(tag, from).x;
-}
-
-/// The id index of each disk, with its row above it in a word of twice as many bits.
-template <class D>
-HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>> id_indices_of(D /*tag*/, DiskInTurn const* const* disks) {
-  static_assert(offsetof(DiskInTurn, row_in_state) == offsetof(DiskInTurn, id_index) + sizeof(std::uint32_t));
-  hn::Repartition<std::uint32_t, D> const numbers;
-  std::uint32_t const* from[hn::MaxLanes(D())];
-  for (std::size_t k = 0; k < hn::MaxLanes(D()); ++k) from[k] = &disks[k]->id_index;
-  return hn::BitCast(hn::RebindToUnsigned<D>(), side_by_side<2>(numbers, from));
-}
-
-/// Columns and rows of the cells of these blocks, as numbers x and y in double precision.
-template <class D>
-HWY_INLINE Vectors<D> cells_of(D tag, Block const* const* blocks) {
-  static_assert(offsetof(Block, row) == offsetof(Block, column) + sizeof(std::int32_t));
-  hn::Repartition<std::int32_t, D> const numbers;
-  hn::RebindToUnsigned<D> const words;
-  std::int32_t const* from[hn::MaxLanes(D())];
-  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &blocks[k]->column;
-  auto const both = hn::BitCast(words, side_by_side<2>(numbers, from));
-  // A whole number below 2³² becomes a double without a conversion: it is the last bits of 2⁵² plus the number.
-  auto const two_to_52 = hn::Set(words, 0x4330'0000'0000'0000U);
-  auto const to_double = [&](auto whole) HWY_ATTR {
-    return hn::Sub(hn::BitCast(tag, hn::Or(whole, two_to_52)), hn::BitCast(tag, two_to_52));
-  };
-  return {to_double(hn::And(both, hn::Set(words, 0xffff'ffffU))), to_double(hn::ShiftRight<32>(both))};
-}
-
 /// Coordinates in units of cells, relative to a cell given by its column or row.
 template <class D>
 HWY_INLINE hn::Vec<D> in_cells(D tag, hn::Vec<D> p, double cells_per_length, hn::Vec<D> cells) {
@@ -193,7 +147,8 @@ class BatchedMoves {
     Turns together = look_around(local & (is_periodic ? far_from_edge_ : inside_));
     if (is_periodic) together |= without_candidates(local & ~far_from_edge_ & inside_);
     by_registers(count_, [this](auto tag, std::size_t first) HWY_ATTR { find_partners(tag, first); });
-    for (Turns left = together; left != 0; left &= left - 1) {
+    // A self-propelled disk that is halted at once stays where it is.
+    for (Turns left = together & ~stuck_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       hn::Store(hn::Load(Pair(), &t_.position[l].x), Pair(), &t_.disk[l]->position.x);
       // Chosen without a branch, because a processor cannot guess whether a disk stays in its cell.
@@ -207,9 +162,11 @@ class BatchedMoves {
       note_order(*grid_.place_of(rows_[l]).block);
     }
     // Sums of floating-point numbers depend on the order, so the remaining turns go one by one in their order.
-    for (Turns left = halted_ | (local & ~together); left != 0; left &= left - 1) {
+    if (view_.is_propelled()) count_halted();
+    Turns const colliding = view_.is_propelled() ? 0 : halted_;
+    for (Turns left = colliding | (local & ~together); left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
-      if (halted_ >> l & 1U) {
+      if (colliding >> l & 1U) {
         collide(l, result_of(l).counters);
       } else {
         take_alone(l);
@@ -221,7 +178,9 @@ class BatchedMoves {
     }
     Counters& counters = result_of(0).counters;
     counters.moves += count_of(together);
-    if (view_.is_propelled()) count_swum(counters, static_cast<double>(count_of(together) * view_.substeps));
+    double const swum = view_.is_propelled() ? static_cast<double>(count_of(together) * view_.substeps) : 0.0;
+    counters.swum += swum;
+    counters.swum_if_free += swum;
     counters.halted_moves += count_of(halted_);
     counters.distance_checks += checks_ * view_.substeps - checks_left_out_;
   }
@@ -484,6 +443,7 @@ class BatchedMoves {
     unsigned more = next_candidates();
     Outcome<D> outcome = meet(tag, first, candidates, with);
     for (std::size_t k = 0; k < count; ++k) t_.partner[first + k] = rows[k];
+    if (view_.is_propelled()) more &= ~stuck_in(tag, outcome);
     while (more != 0) {
       unsigned const again = more;
       more = next_candidates();
@@ -494,13 +454,21 @@ class BatchedMoves {
           hn::IfThenElse(is_first, other.free_substeps, outcome.free_substeps),
           hn::IfThenElse(is_first, other.squared, outcome.squared),
           hn::Or(other.is_met, outcome.is_met)};
+      if (view_.is_propelled()) more &= ~stuck_in(tag, outcome);
       for (unsigned left = bits_of(tag, is_first); left != 0; left &= left - 1) {
         t_.partner[first + first_of(left)] = rows[first_of(left)];
       }
     }
     hn::Store(outcome.free_substeps, tag, &t_.free_substeps[first]);
     halted_ |= bits_of(tag, outcome.is_met) << first;
+    if (view_.is_propelled()) stuck_ |= stuck_in(tag, outcome) << first;
     end_at(tag, first, outcome.at, cells);
+  }
+
+  /// Returns the turns that meet a disk in their first sub-step: no other candidate can halt them earlier.
+  template <class D>
+  static HWY_INLINE unsigned stuck_in(D tag, Outcome<D> const& outcome) {
+    return bits_of(tag, hn::And(outcome.is_met, hn::Eq(outcome.free_substeps, hn::Zero(tag))));
   }
 
   /// Returns the turns that meet the disks in `rows` before their partners: the choice of Partner::consider(), for
@@ -550,6 +518,11 @@ class BatchedMoves {
       squared = hn::IfThenElse(apart, squared_now, squared);
       apart = hn::AndNot(hn::Lt(squared_now, squared_contact), apart);
       free_substeps = hn::IfThenElse(apart, hn::Add(free_substeps, one), free_substeps);
+      if (view_.is_propelled() && hn::AllFalse(tag, apart)) {
+        x = hn::Load(tag, &t_.end_x[first]);
+        y = hn::Load(tag, &t_.end_y[first]);
+        break;
+      }
     }
     hn::Mask<D> const is_met = hn::AndNot(apart, is_asked);
     return {{hn::IfThenElse(is_met, last_x, x), hn::IfThenElse(is_met, last_y, y)}, free_substeps, squared, is_met};
@@ -615,17 +588,21 @@ class BatchedMoves {
   HWY_INLINE void collide(std::size_t l, Counters& counters) {
     auto const left_out = static_cast<std::uint64_t>(static_cast<double>(view_.substeps - 1) - t_.free_substeps[l]);
     checks_left_out_ += left_out * count_of(t_.near[l]);
-    if (view_.is_propelled()) {
-      ++counters.pair_collisions;
-      counters.swum -= static_cast<double>(left_out + 1);
-      return;
-    }
     collide(*t_.disk[l], view_.disks[t_.partner[l]], counters);
   }
 
-  static void count_swum(Counters& counters, double substeps) {
-    counters.swum += substeps;
-    counters.swum_if_free += substeps;
+  /// Counts self-propelled disks that halt.
+  void count_halted() {
+    std::uint64_t lost = 0;
+    for (Turns left = halted_; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      auto const left_out = static_cast<std::uint64_t>(static_cast<double>(view_.substeps - 1) - t_.free_substeps[l]);
+      checks_left_out_ += left_out * count_of(t_.near[l]);
+      lost += left_out + 1;
+    }
+    Counters& counters = result_of(0).counters;
+    counters.pair_collisions += count_of(halted_);
+    counters.swum -= static_cast<double>(lost);
   }
 
   /// Returns x + y in both lanes.
@@ -668,6 +645,7 @@ class BatchedMoves {
   Turns inside_ = 0;   ///< turns whose disks neither reach a wall nor cross an edge if they meet no other
   Turns staying_ = 0;  ///< turns whose disks stay in their cells
   Turns halted_ = 0;
+  Turns stuck_ = 0;  ///< turns of self-propelled disks that halt in their first sub-step
   Turns with_candidates_ = 0;
   std::uint64_t checks_ = 0;  ///< overlap checks in each sub-step
   std::uint64_t checks_left_out_ = 0;

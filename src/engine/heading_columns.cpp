@@ -24,7 +24,8 @@ class FrameWithHeadings final : public FrameSource {
     if (column < columns) return of_world_.values(column, first, count);
     std::vector<double> part;
     part.reserve(count);
-    for (Vector const heading : piece_of_headings(first, count)) part.push_back(column == columns ? heading.x : heading.y);
+    for (Vector const heading : piece_of_headings(first, count))
+      part.push_back(column == columns ? heading.x : heading.y);
     return part;
   }
 

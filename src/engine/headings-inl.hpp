@@ -55,7 +55,7 @@ class HeadingTurns {
   static HWY_INLINE Word word(std::uint32_t value) { return hn::Set(Words(), value); }
   static HWY_INLINE Float as_number(Word bits) { return hn::BitCast(Floats(), bits); }
   static HWY_INLINE Word as_bits(Float numbers) { return hn::BitCast(Words(), numbers); }
-  /// Of whole numbers below 2³¹, or with a sign.
+  /// The words are whole numbers with a sign.
   static HWY_INLINE Float to_float(Word whole) {
     return hn::ConvertTo(Floats(), hn::BitCast(hn::RebindToSigned<Floats>(), whole));
   }
@@ -107,7 +107,7 @@ class HeadingTurns {
     Float const z = hn::Mul(x, x);
     Float const c = series(Series::cosine_near_zero, z);
     Float const s = hn::Mul(x, series(Series::sine_near_zero, z));
-    // Of the last two bits, the quarter: 1 and 3 exchange the two, 1 and 2 turn the sign of the cosine, 2 and 3 that of
+    // The last two bits are the quarter: 1 and 3 exchange the two, 1 and 2 turn the sign of the cosine, 2 and 3 that of
     // the sine.
     Word const quarter = as_bits(shifted);
     auto const is_odd = hn::MaskFromVec(as_number(hn::Sub(hn::Zero(Words()), hn::And(quarter, word(1)))));

@@ -63,8 +63,8 @@ struct HeadingSeries {
   /// ln m = 2 s (1 + z/3 + z²/5 …), s = (m − 1)/(m + 1), z = s², for m between √½ and √2: what is left out is below 2e-9.
   static constexpr float logarithm[] = {1.0F / 9.0F, 1.0F / 7.0F, 1.0F / 5.0F, 1.0F / 3.0F, 1.0F};
   /// sin x = x (1 − z/3! + z²/5! …), z = x², |x| ≤ π/2: what is left out is below 1e-9.
-  static constexpr float sine[] = {1.0F / 6227020800.0F, -1.0F / 39916800.0F, 1.0F / 362880.0F, -1.0F / 5040.0F,
-                                   1.0F / 120.0F,        -1.0F / 6.0F,        1.0F};
+  static constexpr float sine[] = {
+      1.0F / 6227020800.0F, -1.0F / 39916800.0F, 1.0F / 362880.0F, -1.0F / 5040.0F, 1.0F / 120.0F, -1.0F / 6.0F, 1.0F};
   /// The same up to |x| = π/4, and cos x = 1 − z/2! + z²/4! …
   static constexpr float sine_near_zero[] = {1.0F / 362880.0F, -1.0F / 5040.0F, 1.0F / 120.0F, -1.0F / 6.0F, 1.0F};
   static constexpr float cosine_near_zero[] = {-1.0F / 3628800.0F, 1.0F / 40320.0F, -1.0F / 720.0F,

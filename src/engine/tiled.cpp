@@ -117,7 +117,7 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
     tiled::Steps steps = steps_of(state, rule_of(state), layout_, tiling_);
     for (std::uint64_t n = 0; n < tiled::steps_between_sorts && is_before_stop() && !is_stopped; ++n) {
       take_step(steps, state.clock.step, rounds_, counters,
-                 [&](std::size_t parts, auto take) { thread_pool_.for_each(parts, take); });
+                [&](std::size_t parts, auto take) { thread_pool_.for_each(parts, take); });
       try {
         require_no_jumps(steps, state);
       } catch (RunFailure const&) {

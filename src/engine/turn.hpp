@@ -29,7 +29,7 @@ static_assert(sizeof(DiskInTurn) == 64);
 
 /// The numbers that the headings of self-propelled disks turn by in one step; headings.hpp says how.
 struct HeadingStep {
-  std::uint32_t key;      ///< key and counter of the random numbers
+  std::uint32_t key;  ///< key and counter of the random numbers
   std::uint32_t word;
   float width;            ///< standard deviation of the turn, in radians
   double inverse_square;  ///< 1 / speed²
@@ -42,8 +42,8 @@ struct TurnView {
   double substep;          ///< duration of a sub-step
   std::uint64_t substeps;  ///< number of sub-steps in a turn
   CollisionRule contact;
-  /// Of self-propelled disks, whose headings turn before their turn and which keep their velocities where they halt;
-  /// nullptr of others.
+  /// The step of self-propelled disks, whose headings turn before their turn and which keep their velocities where they
+  /// halt; nullptr for others.
   HeadingStep const* heading = nullptr;
 
   [[nodiscard]] bool is_propelled() const { return heading != nullptr; }

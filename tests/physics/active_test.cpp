@@ -27,8 +27,8 @@ FreeWay free_way(EngineSettings const& settings, double time, std::uint64_t seed
   double const side = 1e6;
   State state{.box = Box(side, side, Edge::periodic), .seed = seed};
   for (std::size_t k = 0; k < count; ++k) {
-    state.agents.add((0.5 + static_cast<double>(k % 100)) * 1e4, (0.5 + static_cast<double>(k / 100)) * 1e4, 0.0, 0.0, 0.5,
-                     1.0, 0, 0);
+    state.agents.add((0.5 + static_cast<double>(k % 100)) * 1e4, (0.5 + static_cast<double>(k / 100)) * 1e4, 0.0, 0.0,
+                     0.5, 1.0, 0, 0);
   }
   State const start = state;
   Counters counters;
@@ -62,9 +62,8 @@ TEST(ActivePhysics, FreeDisksOfExactMakeAPersistentWalkAndDiffuse) {
       .thermostat = {.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = interval},
       .propulsion = {.speed = 40.0 * diffusion, .rotational_diffusion = 3.0 * diffusion}};
   for (auto const& [kicks, expected] : {std::pair{10.0, 4.00921}, std::pair{40.0, 53.7178}}) {
-    double const formula =
-        4.0 * diffusion * kicks * interval +
-        persistent_walk(40.0 * diffusion * interval, 3.0 * diffusion * interval, kicks);
+    double const formula = 4.0 * diffusion * kicks * interval +
+                           persistent_walk(40.0 * diffusion * interval, 3.0 * diffusion * interval, kicks);
     EXPECT_NEAR(formula, expected, 5e-6 * expected);
     FreeWay const way = free_way(settings, kicks * interval, 7);
     EXPECT_NEAR(way.mean, formula, 4.0 * way.error) << kicks;
@@ -93,8 +92,7 @@ double effective_speed(double packing_fraction, double peclet) {
   constexpr double diffusion = interval / 2.0;
   constexpr std::size_t count = 200;
   double const side = std::sqrt(count * std::numbers::pi / 4.0 / packing_fraction);
-  State state =
-      make_start(Box(side, side, Edge::periodic), {.count = count, .packing_fraction = packing_fraction}, 3);
+  State state = make_start(Box(side, side, Edge::periodic), {.count = count, .packing_fraction = packing_fraction}, 3);
   EngineSettings const settings{
       .kind = "exact",
       .threads = 1,

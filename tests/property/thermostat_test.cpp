@@ -59,7 +59,10 @@ std::vector<ThermostatCase> cases() {
 
 class Thermostats : public testing::TestWithParam<ThermostatCase> {
  protected:
-  static EngineSettings settings() { return {.kind = "exact", .audit_every = 7, .thermostat = GetParam().thermostat, .propulsion = GetParam().propulsion}; }
+  static EngineSettings settings() {
+    return {
+        .kind = "exact", .audit_every = 7, .thermostat = GetParam().thermostat, .propulsion = GetParam().propulsion};
+  }
   static State start(std::uint64_t seed) {
     SceneSettings scene = GetParam().scene;
     scene.seed = seed;

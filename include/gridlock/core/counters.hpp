@@ -32,8 +32,8 @@ struct Counters {
   double inner_wall_impulse = 0.0;       ///< Σ |Δp| that disks gave to these walls
   /// Σ over pairs that collided of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
   double pair_virial = 0.0;
-  /// Of self-propelled disks: Σ of the ways along their headings, in units of that of a free disk between two turns of
-  /// its heading (exact) or of a sub-step (stepped), and what the sum would be if all were free.
+  /// Ways of self-propelled disks along their headings, in units of that of a free disk from turn to turn of its heading
+  /// (exact) or in a sub-step (stepped), and what the sum would be if all were free.
   double swum = 0.0;
   double swum_if_free = 0.0;
 

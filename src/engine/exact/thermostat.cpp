@@ -25,12 +25,19 @@ Vector Thermostat::velocity(RandomStream& random, double mass) const {
 Vector Thermostat::velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const {
   RandomStream random = draws(kick, id);
   Vector const thermal = velocity(random, mass);
-  return headings_.empty() ? thermal : thermal + propulsion_.speed * headings_[id_index];
+  bool const swims = !headings_.empty() && std::isfinite(mass);  // a fixed disk does not
+  return !swims ? thermal : thermal + propulsion_.speed * headings_[id_index];
+}
+
+void Thermostat::count_swimmers(Disks const& disks) {
+  swimmers_ = 0.0;
+  for (double const mass : disks.column<Mass>()) swimmers_ += std::isfinite(mass) ? 1.0 : 0.0;
 }
 
 /// Takes headings from the velocities.
 void Thermostat::begin_swimming(State const& state) {
   Disks const& disks = state.agents;
+  count_swimmers(disks);
   headings_.clear();
   places_.clear();
   if (!propulsion_.is_on()) return;
@@ -56,7 +63,7 @@ void Thermostat::turn_headings(Dynamics const& dynamics, std::uint64_t kick, dou
   });
   if (is_flight_whole_) {
     counters.swum += way.value() / (propulsion_.speed * *settings_.interval);
-    counters.swum_if_free += static_cast<double>(headings_.size());
+    counters.swum_if_free += swimmers_;
   }
   is_flight_whole_ = true;
 }
@@ -101,19 +108,20 @@ void Thermostat::kick(Dynamics& dynamics, double start_time, Counters& counters)
     std::uint64_t const kick = next_kick_++;
     double const elapsed = time_of(kick) - start_time;
     if (propulsion_.is_on()) turn_headings(dynamics, kick, elapsed, counters);
-    dynamics.kick_all(
-        elapsed, time_of(next_kick_) - start_time,
-        [&](Id id, std::uint32_t id_index, double mass) { return velocity_of(kick, id, id_index, mass); });
+    dynamics.kick_all(elapsed, time_of(next_kick_) - start_time, [&](Id id, std::uint32_t id_index, double mass) {
+      return velocity_of(kick, id, id_index, mass);
+    });
     return;
   }
   std::pop_heap(kicks_.begin(), kicks_.end());
   KickOfDisk const due = kicks_.back();
   kicks_.pop_back();
-  Id const id = dynamics.kick(due.time - start_time, due.id_index, [&](Id of_disk, std::uint32_t /*id_index*/, double mass) {
-    RandomStream random = draws(kick_counts_[due.id_index], of_disk);
-    static_cast<void>(random.exponential());  // the waiting time, which was drawn before
-    return velocity(random, mass);
-  });
+  Id const id =
+      dynamics.kick(due.time - start_time, due.id_index, [&](Id of_disk, std::uint32_t /*id_index*/, double mass) {
+        RandomStream random = draws(kick_counts_[due.id_index], of_disk);
+        static_cast<void>(random.exponential());  // the waiting time, which was drawn before
+        return velocity(random, mass);
+      });
   ++kick_counts_[due.id_index];
   plan_kick(due.id_index, id, due.time);
 }
@@ -125,7 +133,10 @@ void Thermostat::serialize(Archive& archive, State const& state) {
   archive.visit("next_kick", next_kick_);
   archive.visit("kick_times", times);
   archive.visit("kick_counts", kick_counts_);
-  if (propulsion_.is_on()) serialize_swimming(archive, state.agents.size());
+  if (propulsion_.is_on()) {
+    count_swimmers(state.agents);
+    serialize_swimming(archive, state.agents.size());
+  }
   if (!archive.is_restoring()) return;
   archive.require(times.size() == disks && kick_counts_.size() == disks,
                   "the thermostat has other disks than the state");

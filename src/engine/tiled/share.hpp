@@ -133,7 +133,7 @@ class Share {
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;
   std::uint64_t steps_since_sort_ = 0;
-  std::uint64_t step_;  ///< the next step
+  std::uint64_t step_;          ///< the next step
   std::vector<LateDisk> late_;  ///< disks too fast for their tile, in the order of turns
   bool may_jump_ = false;       ///< whether a disk of any process may jump over another
   std::optional<Jump> jump_;

@@ -49,7 +49,7 @@ class PartOfProcess {
     hand_out(id_indices);
   }
   /// Constructs the share.
-  void begin(std::uint64_t threads) { 
+  void begin(std::uint64_t threads) {
     share_.emplace(std::move(domain_), rule_, threads, own_.clock.step, std::move(in_tiles_));
   }
 
@@ -279,8 +279,8 @@ void SharedTiledEngine::advance(State& own, Counters& counters, StopCondition co
   std::exception_ptr thrown;
   std::optional<LongSubstep> long_substep;
   do_or_abandon(processes, [&] {
-    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own, all_),
-                              tiled_layout(settings_, own.box, all_), own, id_indices_);
+    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own, all_), tiled_layout(settings_, own.box, all_),
+                              own, id_indices_);
     own.agents.forget_values();
     part.begin(settings_.threads);
     thrown = take_steps_together(processes, own.clock, duration_, counters, stop_condition, [&](std::uint64_t steps) {
@@ -300,8 +300,8 @@ void SharedTiledEngine::require_no_overlaps(State const& own) const {
   Communicator& processes = settings_.processes.communicator();
   std::vector<Problem> problems;
   do_or_abandon(processes, [&] {
-    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own, all_),
-                              tiled_layout(settings_, own.box, all_), own, id_indices_);
+    tiled::PartOfProcess part(processes, tiled::rule_of(settings_, own, all_), tiled_layout(settings_, own.box, all_),
+                              own, id_indices_);
     part.begin(settings_.threads);
     problems = tiled::problems_of(processes, part, rounding_of_contact(own.box, all_.radii.smallest));
   });
