@@ -8,8 +8,8 @@
 
 namespace gridlock {
 
-/// Returns the default colour of a frame: direction for agents with headings, displacement for disks with images, or else
-/// the last column of whole numbers such as a species, the radius, the direction of motion, or a single colour.
+/// Returns the default colour of a frame: direction for agents with headings, displacement for disks with images, or
+/// else the last column of whole numbers such as a species, the radius, the direction of motion, or a single colour.
 std::string usual_colour(Frame const& frame);
 
 /// Returns the possible colours of agents in a frame: displacement (from the first frame), psi6, neighbourhood (the

@@ -178,9 +178,7 @@ class BatchedMoves {
     }
     Counters& counters = result_of(0).counters;
     counters.moves += count_of(together);
-    double const swum = view_.is_propelled() ? static_cast<double>(count_of(together) * view_.substeps) : 0.0;
-    counters.swum += swum;
-    counters.swum_if_free += swum;
+    if (view_.is_propelled()) counters.add_swum(view_.substeps * count_of(together));
     counters.halted_moves += count_of(halted_);
     counters.distance_checks += checks_ * view_.substeps - checks_left_out_;
   }
@@ -600,9 +598,8 @@ class BatchedMoves {
       checks_left_out_ += left_out * count_of(t_.near[l]);
       lost += left_out + 1;
     }
-    Counters& counters = result_of(0).counters;
-    counters.pair_collisions += count_of(halted_);
-    counters.swum -= static_cast<double>(lost);
+    result_of(0).counters.pair_collisions += count_of(halted_);
+    result_of(0).counters.swum -= static_cast<double>(lost);
   }
 
   /// Returns x + y in both lanes.

@@ -1,4 +1,5 @@
-// Values of the disks of a register, for kernels written with Google Highway; src/core/highway-inl.hpp says how it is included.
+// Values of the disks of a register, for kernels written with Google Highway; src/core/highway-inl.hpp says how it is
+// included.
 
 #if defined(GRIDLOCK_ENGINE_DISKS_IN_REGISTERS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef GRIDLOCK_ENGINE_DISKS_IN_REGISTERS_INL_HPP

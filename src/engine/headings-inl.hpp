@@ -1,4 +1,5 @@
-// The headings of a register of disks, for kernels written with Google Highway; src/core/highway-inl.hpp says how it is included.
+// The headings of a register of disks, for kernels written with Google Highway; src/core/highway-inl.hpp says how it
+// is included.
 
 #if defined(GRIDLOCK_ENGINE_HEADINGS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef GRIDLOCK_ENGINE_HEADINGS_INL_HPP
@@ -20,7 +21,8 @@ HWY_BEFORE_NAMESPACE();
 
 namespace gridlock::HWY_NAMESPACE {
 
-/// The operations of turned_velocity() on the disks of a register of D, in the same order, so that the bits are the same.
+/// The operations of turned_velocity() on the disks of a register of D, in the same order, so that the bits are the
+/// same.
 template <class D>
 class HeadingTurns {
   using Floats = hn::Rebind<float, D>;

@@ -24,10 +24,11 @@ HeadingRule heading_rule(PropulsionSettings const& settings, double duration, st
 /// The numbers of a step that its turns have in common.
 HeadingStep heading_step(HeadingRule const& rule, std::uint64_t step);
 
-/// A standard normal number, a function of the seed, the step and the disk: the turn of a heading in units of its width.
+/// A standard normal number, a function of the seed, the step and the disk: the turn of a heading in units of its
+/// width.
 ///
-/// One block of Philox-2x32-10 (Salmon et al. 2011, doi:10.1145/2063384.2063405), whose key is drawn for each step, gives
-/// two uniform numbers, and these one normal number by the transformation of Box and Muller (1958,
+/// One block of Philox-2x32-10 (Salmon et al. 2011, doi:10.1145/2063384.2063405), whose key is drawn for each step,
+/// gives two uniform numbers, and these one normal number by the transformation of Box and Muller (1958,
 /// doi:10.1214/aoms/1177706645), in single precision. Logarithm and sine are series, so that every compiler and
 /// processor gives the same bits.
 float heading_noise(HeadingStep const& step, std::uint32_t id_index);
@@ -39,12 +40,12 @@ struct HeadingTurn {
 };
 HeadingTurn heading_turn(float angle);
 
-/// Returns this velocity turned by the heading noise of a step. Its length stays that of the rule: an error of the length,
-/// as rounding makes it, is squared away.
+/// Returns this velocity turned by the heading noise of a step. Its length stays that of the rule: an error of the
+/// length, as rounding makes it, is squared away.
 Vector turned_velocity(HeadingStep const& step, std::uint32_t id_index, Vector velocity);
 
-/// Gives each disk the speed of the rule, along its velocity; a disk at rest gets a random heading. Disks that have this
-/// speed stay as they are.
+/// Gives each disk the speed of the rule, along its velocity; a disk at rest gets a random heading. Disks that have
+/// this speed stay as they are.
 void set_speeds(HeadingRule const& rule, std::span<DiskInTurn> disks);
 
 /// The vector of length 1 along `v`; (0, 0) for (0, 0).
@@ -60,7 +61,8 @@ struct HeadingSeries {
   static constexpr int rounds = 10;
   static constexpr std::uint32_t multiplier = 0xd256d193U;  ///< of Philox-2x32
   static constexpr std::uint32_t key_step = 0x9e3779b9U;
-  /// ln m = 2 s (1 + z/3 + z²/5 …), s = (m − 1)/(m + 1), z = s², for m between √½ and √2: what is left out is below 2e-9.
+  /// ln m = 2 s (1 + z/3 + z²/5 …), s = (m − 1)/(m + 1), z = s², for m between √½ and √2: what is left out is below
+  /// 2e-9.
   static constexpr float logarithm[] = {1.0F / 9.0F, 1.0F / 7.0F, 1.0F / 5.0F, 1.0F / 3.0F, 1.0F};
   /// sin x = x (1 − z/3! + z²/5! …), z = x², |x| ≤ π/2: what is left out is below 1e-9.
   static constexpr float sine[] = {

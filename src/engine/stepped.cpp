@@ -67,7 +67,16 @@ void require_room_for_images(Box const& box, DisksOverview const& all, double su
                .key = "box"});
 }
 
+void require_moving_swimmers(EngineSettings const& settings, State const& some) {
+  if (!settings.propulsion.is_on() || count_of_fixed(some.agents) == 0) return;
+  throw Error({.what = fmt::format("{} disks are fixed, and under a rule with a time step every disk swims",
+                                   count_of_fixed(some.agents)),
+               .hint = "use engine.kind = \"exact\" with thermostat.kind = \"brownian\", where fixed disks stay",
+               .key = "propulsion.speed"});
+}
+
 void require_short_ways(EngineSettings const& settings, State const& some, DisksOverview const& all) {
+  require_moving_swimmers(settings, some);
   double const substep = step_duration(settings, all.radii.smallest) / static_cast<double>(settings.substeps);
   require_no_jumps(some, all, substep);
   require_room_for_images(some.box, all, substep);

@@ -145,7 +145,8 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
 enum class EdgeOfTurn { may_be_met, is_far };
 
 /// Takes one disk's turn in one time step by the rule of the paper: up to `substeps` trial moves. The first that would
-/// cross a wall or overlap a disk halts the disk for this step; it bounces off, or keeps its velocity if self-propelled. The caller keeps the grid up to date.
+/// cross a wall or overlap a disk halts the disk for this step; it bounces off, or keeps its velocity if
+/// self-propelled. The caller keeps the grid up to date.
 ///
 /// search(partner) must call partner.consider(j) for every disk j that could overlap the trial point; visiting more
 /// disks, or any order, gives the same bits.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/lattice/start.hpp"
@@ -228,6 +230,31 @@ TEST(ActiveDisks, HaltAtWallsWithTheirHeadingsUnchanged) {
   EXPECT_GT(position(end.agents, 0).x, 1.9 - 0.0041);
   EXPECT_GT(counters.wall_hits[Counters::right], 100U);
   EXPECT_EQ(counters.wall_impulse[Counters::right], 0.0);
+}
+
+TEST(ActiveDisks, AreRefusedWhereSomeAreFixedAndInExactWithoutABath) {
+  State state = start_of(3, 0.1);
+  auto const key_of_refusal = [&](EngineSettings const& settings) -> std::string {
+    try {
+      make_engine(settings, state);
+    } catch (Error const& error) {
+      return error.problems().front().key;
+    }
+    return "";
+  };
+  PropulsionSettings const swims{.speed = 1.0};
+  ThermostatSettings const andersen{.kind = ThermostatKind::andersen, .temperature = 1.0};
+  ThermostatSettings const brownian{.kind = ThermostatKind::brownian, .temperature = 1.0};
+  EXPECT_EQ(key_of_refusal({.kind = "exact", .propulsion = swims}), "propulsion.speed");
+  EXPECT_EQ(key_of_refusal({.kind = "exact", .thermostat = andersen, .propulsion = swims}), "propulsion.speed");
+  EXPECT_EQ(key_of_refusal({.kind = "exact", .thermostat = brownian, .propulsion = swims}), "");
+  state.agents.column<Mass>()[1] = std::numeric_limits<double>::infinity();
+  state.agents.column<VelocityX>()[1] = 0.0;
+  state.agents.column<VelocityY>()[1] = 0.0;
+  for (char const* const kind : {"stepped", "tiled"}) {
+    EXPECT_EQ(key_of_refusal({.kind = kind}), "");
+    EXPECT_EQ(key_of_refusal({.kind = kind, .propulsion = swims}), "propulsion.speed");
+  }
 }
 
 TEST(ActiveDisks, AtRestGetRandomHeadings) {

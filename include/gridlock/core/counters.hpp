@@ -32,10 +32,16 @@ struct Counters {
   double inner_wall_impulse = 0.0;       ///< Σ |Δp| that disks gave to these walls
   /// Σ over pairs that collided of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
   double pair_virial = 0.0;
-  /// Ways of self-propelled disks along their headings, in units of that of a free disk from turn to turn of its heading
-  /// (exact) or in a sub-step (stepped), and what the sum would be if all were free.
+  /// Ways of self-propelled disks along their headings, in units of that of a free disk from turn to turn of its
+  /// heading (exact) or in a sub-step (stepped), and what the sum would be if all were free.
   double swum = 0.0;
   double swum_if_free = 0.0;
+
+  /// Counts free ways.
+  void add_swum(std::uint64_t ways) {
+    swum += static_cast<double>(ways);
+    swum_if_free += static_cast<double>(ways);
+  }
 
   [[nodiscard]] std::uint64_t all_wall_hits() const {
     return wall_hits[0] + wall_hits[1] + wall_hits[2] + wall_hits[3];

@@ -17,8 +17,9 @@
 
 namespace gridlock {
 
-/// The settings `[propulsion]`. A heading turns by √(2 D_R Δt) ξ in every step Δt of `stepped` and `tiled`, and at every
-/// kick of the Brownian thermostat of `exact`; ξ is a normal number. docs/explanation/active.md says what disks do.
+/// The settings `[propulsion]`. A heading turns by √(2 D_R Δt) ξ in every step Δt of `stepped` and `tiled`, and at
+/// every kick of the Brownian thermostat of `exact`; ξ is a normal number. docs/explanation/active.md says what disks
+/// do.
 struct PropulsionSettings {
   double speed = 0.0;                 ///< v₀; 0: disks do not propel themselves
   double rotational_diffusion = 0.0;  ///< D_R
