@@ -399,8 +399,8 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
   if (auto note = misleading_rule(box, disks, settings)) setup.notes.push_back(*std::move(note));
   if (auto note = may_collapse(settings.collisions)) setup.notes.push_back(*std::move(note));
   if (auto note = motion_by_propulsion(settings, disks)) setup.notes.push_back(*std::move(note));
-  bool const gets_velocities = settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() ||
-                               settings.gravity.exists();
+  bool const gets_velocities =
+      settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() || settings.gravity.exists();
   if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !gets_velocities) {
     setup.notes.push_back(*std::move(note));
   }
@@ -427,8 +427,8 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   processes.agree([&] {
     if (has_speed) require_bounded_step(configuration.engine, all);
     EngineSettings const& moved_by = configuration.engine;
-    bool const is_moved = moved_by.thermostat.kind != ThermostatKind::none || moved_by.gravity.exists() ||
-                          moved_by.propulsion.is_on();
+    bool const is_moved =
+        moved_by.thermostat.kind != ThermostatKind::none || moved_by.gravity.exists() || moved_by.propulsion.is_on();
     if (configuration.protocol.empty() && ends_with_collisions(run) && !is_moved) require_motion(all);
   });
   if (!configuration.protocol.empty()) {
