@@ -13,12 +13,12 @@ inline constexpr int neighbourhood_colours = 9;
 ///
 /// Adjacent cells differ by one in column or row, so alternating colours along columns and rows suffice. A periodic
 /// axis with a single cell has no other cell to differ from.
-inline int neighbourhood_colour(int column, int row, int columns, int rows, bool is_periodic) {
-  auto const along = [is_periodic](int index, int count) {
+inline int neighbourhood_colour(int column, int row, int columns, int rows, bool is_periodic_x, bool is_periodic_y) {
+  auto const along = [](int index, int count, bool is_periodic) {
     bool const closes_an_odd_ring = is_periodic && count % 2 == 1 && count > 1 && index == count - 1;
     return closes_an_odd_ring ? 2 : index % 2;
   };
-  return along(column, columns) + 3 * along(row, rows);
+  return along(column, columns, is_periodic_x) + 3 * along(row, rows, is_periodic_y);
 }
 
 }  // namespace gridlock

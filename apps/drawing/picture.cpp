@@ -213,7 +213,7 @@ class DiskColours {
     };
     Box const& box = state_.box;
     int const colour = neighbourhood_colour(index(p.x, box.width(), columns), index(p.y, box.height(), rows), columns,
-                                            rows, box.is_periodic());
+                                            rows, box.is_periodic_x(), box.is_periodic_y());
     return colours[static_cast<std::size_t>(colour)];
   }
 
@@ -266,10 +266,14 @@ class Picture {
   void draw_frame(Canvas& canvas) const {
     draw_grid(canvas);
     // The line lies outside the box, so that a disk at a wall visibly touches the line without an overlap.
-    double const thickness = (state_.box.is_periodic() ? 1.2 : 4.0) * at_.unit;
-    PixelRectangle const around{at_.box.x - 0.5 * thickness, at_.box.y - 0.5 * thickness, at_.box.width + thickness,
-                                at_.box.height + thickness};
-    canvas.outline(around, {.colour = ink, .width = thickness, .is_dashed = state_.box.is_periodic()});
+    if (state_.box.edge_x() == state_.box.edge_y()) {
+      Stroke const stroke = stroke_of(state_.box.is_periodic());
+      PixelRectangle const around{at_.box.x - 0.5 * stroke.width, at_.box.y - 0.5 * stroke.width,
+                                  at_.box.width + stroke.width, at_.box.height + stroke.width};
+      canvas.outline(around, stroke);
+    } else {
+      draw_borders_of_axes(canvas);
+    }
     if (has_bar(settings_.colouring)) draw_bar(canvas);
     draw_names(canvas);
   }
@@ -285,14 +289,33 @@ class Picture {
     Vector const p = position(state_.agents, i);
     double const r = state_.agents.column<Radius>()[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !(r > 0.0) || !std::isfinite(r)) return;
-    if (!state_.box.is_periodic()) return visit(p);
+    if (!state_.box.has_images()) return visit(p);
     auto const reaches = [r](double x, double side) { return x + r > 0.0 && x - r < side; };
     for (int const row : {-1, 0, 1}) {
+      if (row != 0 && !state_.box.is_periodic_y()) continue;
       for (int const column : {-1, 0, 1}) {
+        if (column != 0 && !state_.box.is_periodic_x()) continue;
         Vector const image{p.x + column * state_.box.width(), p.y + row * state_.box.height()};
-        if (reaches(image.x, state_.box.width()) && reaches(image.y, state_.box.height())) visit(image);
+        bool const is_original = row == 0 && column == 0;
+        if (is_original || (reaches(image.x, state_.box.width()) && reaches(image.y, state_.box.height())))
+          visit(image);
       }
     }
+  }
+
+  [[nodiscard]] Stroke stroke_of(bool is_periodic) const {
+    return {.colour = ink, .width = (is_periodic ? 1.2 : 4.0) * at_.unit, .is_dashed = is_periodic};
+  }
+
+  /// Draws the walls of one axis, whose ends cover the corners, and the dashed edges of the other.
+  void draw_borders_of_axes(Canvas& canvas) const {
+    PixelRectangle const& b = at_.box;
+    Stroke const beside = stroke_of(state_.box.is_periodic_x());
+    Stroke const above = stroke_of(state_.box.is_periodic_y());
+    double const out_x = 0.5 * beside.width;
+    double const out_y = 0.5 * above.width;
+    for (double const x : {b.x - out_x, b.x + b.width + out_x}) canvas.line({x, b.y}, {x, b.y + b.height}, beside);
+    for (double const y : {b.y - out_y, b.y + b.height + out_y}) canvas.line({b.x, y}, {b.x + b.width, y}, above);
   }
 
   void draw_grid(Canvas& canvas) const {

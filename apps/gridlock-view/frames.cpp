@@ -58,6 +58,12 @@ std::vector<FrameColumn> chosen_columns(Frame& frame, std::vector<std::string> c
   return columns;
 }
 
+/// Returns one answer where x and y are alike, else one for each.
+Json periodic_axes(Box const& box) {
+  if (box.edge_x() == box.edge_y()) return box.is_periodic();
+  return Json::array({box.is_periodic_x(), box.is_periodic_y()});
+}
+
 }  // namespace
 
 FrameStore::Version FrameStore::version_of(fs::path const& file) {
@@ -132,7 +138,7 @@ std::string FrameStore::frame(fs::path const& file, std::size_t k, std::vector<s
   Json json{
       {"step", frame.clock.step},
       {"time", frame.clock.time},
-      {"box", {{"width", frame.box.width()}, {"height", frame.box.height()}, {"periodic", frame.box.is_periodic()}}},
+      {"box", {{"width", frame.box.width()}, {"height", frame.box.height()}, {"periodic", periodic_axes(frame.box)}}},
       {"count", frame.size()},
       {"stateHash", fmt::format("{:016x}", read.state_hash)},
       {"columns", Json::array()}};

@@ -26,7 +26,7 @@ namespace gridlock::cli {
 namespace {
 
 std::string in_words(gridlock::Box const& box) {
-  return fmt::format("{} box {} × {}", box.is_periodic() ? "periodic" : "walled", box.width(), box.height());
+  return fmt::format("{} box {} × {}", gridlock::edges_in_words(box), box.width(), box.height());
 }
 
 /// Returns "packing fraction 0.7, radius 0.016, " for agents with a radius; otherwise an empty text.

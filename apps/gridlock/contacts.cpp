@@ -179,8 +179,8 @@ void print_notes(PackingAnalysis const& analysis) {
 }
 
 void print_summary(State const& state, std::string const& path, Json const& summary) {
-  fmt::print("{} disks in {}\n  {} box {} × {}\n", state.agents.size(), path,
-             state.box.is_periodic() ? "periodic" : "walled", state.box.width(), state.box.height());
+  fmt::print("{} disks in {}\n  {} box {} × {}\n", state.agents.size(), path, edges_in_words(state.box),
+             state.box.width(), state.box.height());
   for (auto const& [name, value] : summary.items()) {
     std::string const text = value.is_number_float() ? fmt::format("{:.10g}", value.get<double>())
                              : value.is_string()     ? value.get<std::string>()

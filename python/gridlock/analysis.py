@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from .arrays import as_array, as_count, as_kinds, as_number, named_in_short
-from .box import Box, BoxLike, as_box
+from .box import Box, BoxLike, BoxValues, as_box
 from .dynamics import as_trajectory
 from .errors import Error
 from .neighbors import Neighbors, as_neighbors, as_points, as_radii, pairs_of_disks
@@ -30,15 +30,15 @@ class PairCorrelation(NamedTuple):
         return named_in_short(self)
 
 
-def _periodic(box: BoxLike, what: str) -> tuple[float, float, bool]:
+def _periodic(box: BoxLike, what: str) -> BoxValues:
     sides = as_box(box)
-    if sides is None or not sides[2]:
-        raise Error(f"{what} needs a periodic box\n  hint: give box=(width, height)")
+    if sides is None or not (sides[2] and sides[3]):
+        raise Error(f"{what} needs a box that is periodic in x and y\n  hint: give box=(width, height)")
     return sides
 
 
 def separations(points: ArrayLike, i: ArrayLike, j: ArrayLike, box: BoxLike = None) -> NDArray[np.float64]:
-    """The vectors from points i to points j, to the nearest image in a periodic box; shape (P, 2).
+    """The vectors from points i to points j, to the nearest image along periodic axes; shape (P, 2).
 
     :param i, j: indices of points, shape (P,) each, such as ``i, j = pairs(...).T``.
 
@@ -56,9 +56,9 @@ def separations(points: ArrayLike, i: ArrayLike, j: ArrayLike, box: BoxLike = No
     first, second = (k.astype(np.intp) for k in ends)  # an empty list has the type of numbers, not of indices
     difference = array[second] - array[first]
     sides = as_box(box)
-    if sides is not None and sides[2]:
-        lengths = np.array(sides[:2])
-        difference -= lengths * np.round(difference / lengths)
+    for axis in (0, 1):
+        if sides is not None and sides[2 + axis]:
+            difference[:, axis] -= sides[axis] * np.round(difference[:, axis] / sides[axis])
     separated: NDArray[np.float64] = difference
     return separated
 
@@ -258,7 +258,8 @@ def density_profile(
         raise Error("a point is not finite\n  hint: every coordinate must be finite")
     side = sides[0] if axis == "x" else sides[1]
     place = array[:, 0 if axis == "x" else 1]
-    if sides[2]:
+    is_periodic = sides[2] if axis == "x" else sides[3]
+    if is_periodic:
         place = place - side * np.floor(place / side)
     elif len(place) and not 0 <= place.min() <= place.max() <= side:
         raise Error(f"a point has {axis} = {place.min() if place.min() < 0 else place.max():g} in a box from 0 to {side:g}\n  hint: use points inside")
@@ -273,7 +274,7 @@ def density_profile(
     if len(radii) and radii.max() > side:
         raise Error(f"a radius is {radii.max():g} in a box of side {side:g}\n  hint: use disks that fit into the box")
     covered = np.zeros(count)
-    for image in (-side, 0.0, side) if sides[2] else (0.0,):
+    for image in (-side, 0.0, side) if is_periodic else (0.0,):
         below = np.array([_area_below(edge - place - image, radii).sum() for edge in edges])
         covered += np.diff(below)
     return DensityProfile(position, density, covered / area)
@@ -361,7 +362,7 @@ def structure_factor(
     >>> bool(np.all(abs(found.s - 1) < 0.5))
     True
     """
-    width, height, _ = _periodic(box, "the structure factor")
+    width, height, *_ = _periodic(box, "the structure factor")
     array = as_points(points)
     if not np.isfinite(array).all():
         raise Error("a point is not finite\n  hint: every coordinate must be finite")

@@ -12,27 +12,58 @@ from .errors import Error
 
 
 class Box(NamedTuple):
-    """The rectangle [0, width] × [0, height], periodic or between walls.
+    """The rectangle [0, width] × [0, height], periodic or between walls, for x and y apart.
 
-    In a periodic box every distance is that to the nearest image.
+    Along a periodic axis every distance is that to the nearest image.
 
     >>> Box(2.0, 1.0).area
     2.0
+    >>> channel = Box(2.0, 1.0, (True, False))  # periodic in x, with walls below and above
+    >>> channel.periodic_x, channel.periodic_y
+    (True, False)
     """
 
     width: float
     height: float
-    periodic: bool = True
+    #: whether it is periodic: one answer for x and y, or a pair
+    periodic: bool | tuple[bool, bool] = True
 
     @property
     def area(self) -> float:
         return self.width * self.height
 
+    @property
+    def periodic_x(self) -> bool:
+        return self.periodic[0] if isinstance(self.periodic, tuple) else self.periodic
+
+    @property
+    def periodic_y(self) -> bool:
+        return self.periodic[1] if isinstance(self.periodic, tuple) else self.periodic
+
+    @property
+    def edge_x(self) -> str:
+        """"periodic" or "wall", as in the settings of a run."""
+        return "periodic" if self.periodic_x else "wall"
+
+    @property
+    def edge_y(self) -> str:
+        return "periodic" if self.periodic_y else "wall"
+
 
 BoxLike = Union[Box, float, "tuple[float, float]", None]
 
 
-def as_box(box: BoxLike) -> tuple[float, float, bool] | None:
+#: Width, height, and whether the box is periodic in x and in y: as the library takes and gives it.
+BoxValues = tuple[float, float, bool, bool]
+
+
+def box_of(values: BoxValues) -> Box:
+    """The box that the library gives: ``periodic`` is a pair only where x and y differ."""
+    width, height, periodic_x, periodic_y = values
+    return Box(width, height, periodic_x if periodic_x == periodic_y else (periodic_x, periodic_y))
+
+
+def as_box(box: BoxLike) -> BoxValues | None:
     """A box as the library takes it: a Box, (width, height) or a side of a periodic box, or None for no box."""
     if box is None:
         return None
@@ -49,6 +80,8 @@ def as_box(box: BoxLike) -> tuple[float, float, bool] | None:
         except (TypeError, ValueError):
             raise Error(f"{box!r} is no box\n  hint: {hint}") from None
         periodic = True
-    if not isinstance(periodic, (bool, np.bool_)):
-        raise Error(f"periodic is {periodic!r}\n  hint: use True or False")
-    return as_number(width, "the width of the box", hint), as_number(height, "the height of the box", hint), bool(periodic)
+    of_axes = periodic if isinstance(periodic, (tuple, list)) else (periodic, periodic)
+    if len(of_axes) != 2 or not all(isinstance(of_axis, (bool, np.bool_)) for of_axis in of_axes):
+        raise Error(f"periodic is {periodic!r}\n  hint: use True or False, or one of each for x and y: (True, False)")
+    sides = as_number(width, "the width of the box", hint), as_number(height, "the height of the box", hint)
+    return *sides, bool(of_axes[0]), bool(of_axes[1])

@@ -54,7 +54,8 @@ def _solid(flat: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _positions(frame: Frame, unwrapped: bool) -> NDArray[np.float64]:
-    if unwrapped and frame.box.periodic and "image_x" not in frame.columns:
+    crossed = [f"image_{axis}" for axis in "xy" if getattr(frame.box, f"periodic_{axis}")]
+    if unwrapped and any(image not in frame.columns for image in crossed):
         raise Error("the frame does not say how often an agent has crossed the edges\n"
                     "  hint: unwrapped=False takes the positions inside the box")
     return _solid(frame.unwrapped if unwrapped else frame.positions)
@@ -70,7 +71,7 @@ def to_ase(frame: Frame, *, unwrapped: bool = True) -> Any:
     """One frame as ``ase.Atoms`` with the symbol X; kinds are in the array "kind", all other columns in arrays of their names."""
     ase = library("ase", "ase")
     sides = [frame.box.width, frame.box.height, 1.0]
-    periodic = [frame.box.periodic, frame.box.periodic, False]
+    periodic = [frame.box.periodic_x, frame.box.periodic_y, False]
     atoms = ase.Atoms(numbers=np.zeros(len(frame), dtype=int), positions=_positions(frame, unwrapped), cell=sides, pbc=periodic,
                       info={"step": frame.clock.step, "time": frame.clock.time})
     atoms.set_masses(frame.columns.get("mass", np.ones(len(frame))))
@@ -111,7 +112,7 @@ def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
     universe.load_new(
         np.array([_positions(frame, unwrapped) for frame in frames], dtype=np.float32), format=reader,
         velocities=None if velocities[0] is None else np.array(velocities, dtype=np.float32),
-        dimensions=sides if first.box.periodic else None,
+        dimensions=sides if first.box.periodic_x and first.box.periodic_y else None,
         moments=[frame.clock.time for frame in frames])
     return universe
 

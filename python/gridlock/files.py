@@ -17,7 +17,7 @@ import numpy as np
 
 from . import _core, converters, formats
 from .arrays import MOST_STEPS, as_count, as_number
-from .box import Box
+from .box import Box, box_of
 from .errors import Error
 from .settings import as_threads
 from .simulation import Clock, Result, Results
@@ -60,20 +60,20 @@ class Frame:
 
     @property
     def unwrapped(self) -> NDArray[np.float64]:
-        """Positions that do not jump at the edges of a periodic box, shape (N, 2): for displacements.
+        """Positions that do not jump at periodic edges, shape (N, 2): for displacements.
 
-        :raises Error: in a periodic box, where the frame does not have the columns ``image_x`` and ``image_y``.
+        :raises Error: where the frame does not have the columns ``image_x`` and ``image_y`` of the axes that are periodic.
         """
-        if not self.box.periodic:
-            return self.positions
-        if "image_x" not in self.columns:
+        crossed = [(axis, f"image_{name}") for axis, name in enumerate("xy") if getattr(self.box, f"periodic_{name}")]
+        if any(image not in self.columns for _, image in crossed):
             raise Error(
                 "the frame does not say how often an agent has crossed the edges\n"
                 "  hint: of disks, keep the columns image_x and image_y in trajectory.columns; a model of your own needs such columns, "
                 "of type int32, in which move() counts"
             )
-        images = np.stack([self.columns["image_x"], self.columns["image_y"]], axis=1)
-        unwrapped: NDArray[np.float64] = self.positions + images * np.array([self.box.width, self.box.height])
+        unwrapped = self.positions
+        for axis, image in crossed:
+            unwrapped[:, axis] += self.columns[image] * (self.box.width, self.box.height)[axis]
         return unwrapped
 
     @property
@@ -147,7 +147,7 @@ class FrameContacts(NamedTuple):
 def _frame(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
     ids, columns, box, step, time = values
     names = {name: names for name, names in (value_names or {}).items() if name in columns}
-    return Frame(Box(*box), Clock(step, time), ids, columns, names)
+    return Frame(box_of(box), Clock(step, time), ids, columns, names)
 
 
 def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame:

@@ -18,9 +18,11 @@ from .errors import Error
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from .box import BoxValues
+
     Columns = dict[str, NDArray[Any]]
-    #: ids, columns, box (width, height, whether periodic), step, time
-    FrameValues = tuple[NDArray[np.uint64], Columns, tuple[float, float, bool], int, float]
+    #: ids, columns, box (width, height, whether periodic in x and in y), step, time
+    FrameValues = tuple[NDArray[np.uint64], Columns, BoxValues, int, float]
 
 #: Positions of LAMMPS have six digits, so that one on a wall may be beyond it by so much of the side.
 ROUNDING = 5e-6
@@ -205,7 +207,7 @@ class LammpsDump(OtherFrames):
         order = np.argsort(ids, kind="stable")
         if (np.diff(ids[order]) == 0).any():
             raise Error(f"{where}: two agents have one id\n  hint: write each atom once")
-        box = (sides[0].length, sides[1].length, sides[0].is_periodic)
+        box = (sides[0].length, sides[1].length, sides[0].is_periodic, sides[1].is_periodic)
         return ids[order], {name: values[order] for name, values in made.items()}, box, self._steps[k], self._times[k]
 
     def _positions(self, columns: Columns, axis: str, side: Side, where: str) -> tuple[NDArray[np.float64], bool]:
@@ -228,9 +230,6 @@ class LammpsDump(OtherFrames):
             raise Error(f"{where}: its box is not one of bounds\n  hint: boxes here are rectangles")
         _expect_rectangle(max((line[2] for line in lines if len(line) == 3), key=abs, default=0.0), where)
         flags = [word == "pp" for word in words if len(word) == 2 and word[0] in "pfsm"] or [True, True, True]
-        if flags[0] != flags[1]:
-            one, other = "xy" if flags[0] else "yx"
-            raise Error(f"{where}: its box is periodic in {one} and not in {other}\n  hint: boxes here are periodic in both or in none")
         return [Side(begin, end - begin, is_periodic) for (begin, end, *_), is_periodic in zip(lines, flags)]
 
     def _number(self, what: str) -> float:
@@ -299,7 +298,7 @@ class GsdFile(OtherFrames):
             if self._is_written(k, name):
                 columns[own] = factor * np.asarray(getattr(frame.particles, name), dtype=float)
         columns["species"] = np.asarray(frame.particles.typeid, dtype=np.int64)
-        return np.arange(len(positions), dtype=np.uint64), columns, (width, height, True), self._steps[k], self._times[k]
+        return np.arange(len(positions), dtype=np.uint64), columns, (width, height, True, True), self._steps[k], self._times[k]
 
     def _is_written(self, k: int, name: str) -> bool:
         """Whether the file has it, of this frame or the first: gsd makes up all that it has not."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _core
 from .arrays import as_observed, in_short
-from .box import Box
+from .box import Box, BoxValues, box_of
 from .errors import Error, RunFailure
 from .world import Start, World
 
@@ -192,9 +192,9 @@ class Model:
             raise Error(f"the model {self.name} has the time step {step!r}\n  hint: use a finite number above 0")
         return float(step)
 
-    def _check(self, width: float, height: float, is_periodic: bool) -> None:
+    def _check(self, box: BoxValues) -> None:
         self._checked_time_step()
-        self.check(Box(width, height, is_periodic))
+        self.check(box_of(box))
 
     def _start(self, core: ModelWorld) -> None:
         self.start(Start(core, self))

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core
 from .arrays import as_count, as_number, as_numbers, named_in_short
-from .box import Box, BoxLike, as_box
+from .box import Box, BoxLike, as_box, box_of
 from .errors import Error
 from .neighbors import as_points
 from .settings import as_threads
@@ -143,7 +143,7 @@ def contacts(
     found: dict[str, Any] = _core.contacts(
         array, sizes, sides, potential == "harmonic", _as_share(tolerance, "the tolerance"), _as_share(largest_gap, "the largest gap"),
         as_number(residual, "the residual"), bool(stiffness))
-    return _contacts_of(array, sizes, Box(*sides), potential, float(tolerance), found)
+    return _contacts_of(array, sizes, box_of(sides), potential, float(tolerance), found)
 
 
 def _contacts_of(points: Any, radii: Any, box: Box, potential: str, tolerance: float, found: dict[str, Any]) -> Contacts:
@@ -215,7 +215,7 @@ def spectral_density(
     """
     array = as_numbers(as_points(points), "the points", (None, 2), "use an array of shape (N, 2): x and y of each point")
     sides = as_box(box)
-    if sides is None or not sides[2]:
-        raise Error("the spectral density needs a periodic box\n  hint: give box=(width, height)")
+    if sides is None or not (sides[2] and sides[3]):
+        raise Error("the spectral density needs a box that is periodic in x and y\n  hint: give box=(width, height)")
     return SpectralDensity(*_core.spectral_density(array, _as_radii(radii, len(array)), sides, as_number(largest_q, "largest_q"),
                                                    as_count(bins, "bins"), as_threads(threads)))

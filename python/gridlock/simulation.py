@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core, converters
 from .arrays import as_column, as_observed
-from .box import Box
+from .box import Box, box_of
 from .errors import Error, RunFailure
 from .progress import ProgressBar
 from .settings import as_threads, given
@@ -283,7 +283,7 @@ class Simulation:
 
     @property
     def box(self) -> Box:
-        return Box(*self._core.box())
+        return box_of(self._core.box())
 
     @property
     def clock(self) -> Clock:

@@ -83,9 +83,13 @@ def take_turns(model: Model, world: World) -> None:
     then = _named(kind, "Next", (*model.columns, *reserved_columns))(*after, moves[:, 0], moves[:, 1], dead)
     settings = {key: value for key, value in model.settings.items() if isinstance(value, (bool, int, float))}
     events = np.zeros(len(model.events), dtype=np.int64)
+    box = world.box
+    # A compiled turn reads fields alone, no properties.
+    fields = ("width", "height", "periodic_x", "periodic_y")
+    sides = _named(kind, "Sides", fields)(box.width, box.height, box.periodic_x, box.periodic_y)
     take = _compiled(kind.turn)
     take(
-        found.indptr, found.indices, room, world.box, now, then,
+        found.indptr, found.indices, room, sides, now, then,
         _named(kind, "Settings", tuple(settings))(**settings), world.uniform(getattr(model, "random_numbers", 1)), events,
     )
     for event, times in zip(model.events, events):
@@ -124,8 +128,9 @@ def _all_turns(turn: Callable[..., None]) -> Callable[..., None]:
             for place, k in enumerate(neighbors):
                 dx = now.x[k] - now.x[row]
                 dy = now.y[k] - now.y[row]
-                if box.periodic:
+                if box.periodic_x:
                     dx -= box.width * np.rint(dx / box.width)
+                if box.periodic_y:
                     dy -= box.height * np.rint(dy / box.height)
                 separations[place, 0] = dx
                 separations[place, 1] = dy

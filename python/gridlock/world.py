@@ -10,7 +10,7 @@ import numpy as np
 from ._core import ModelWorld
 from .analysis import separations
 from .arrays import as_array, as_column, as_count, as_numbers, refuse_masked
-from .box import Box
+from .box import Box, box_of
 from .errors import Error
 from .neighbors import Neighbors, as_cutoff
 from .simulation import Clock
@@ -39,7 +39,7 @@ class _SeenByModel:
 
     @property
     def box(self) -> Box:
-        return Box(*self._core.box())
+        return box_of(self._core.box())
 
     @property
     def seed(self) -> int:

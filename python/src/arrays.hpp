@@ -25,16 +25,21 @@ namespace nb = nanobind;
 using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
 /// Points of the plane, an array of shape (N, 2).
 using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-/// Width, height, and whether the box is periodic.
-using BoxValues = std::tuple<double, double, bool>;
+/// Width, height, and whether the box is periodic along x and along y.
+using BoxValues = std::tuple<double, double, bool, bool>;
 
 inline PointsInMemory view_of(Points const& points) {
   return {.x = points.data(), .y = points.data() + 1, .count = points.shape(0), .stride = 2};
 }
 
+inline BoxValues box_values(Box const& box) {
+  return {box.width(), box.height(), box.is_periodic_x(), box.is_periodic_y()};
+}
+
 inline Box box_of(BoxValues const& values) {
-  auto const& [width, height, is_periodic] = values;
-  return {width, height, is_periodic ? Edge::periodic : Edge::wall};
+  auto const& [width, height, is_periodic_x, is_periodic_y] = values;
+  auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };
+  return {width, height, edge(is_periodic_x), edge(is_periodic_y)};
 }
 
 /// Returns an array that takes over the memory of `values`, a vector with any allocator, without a copy.

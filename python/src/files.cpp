@@ -139,8 +139,7 @@ FrameValuesOfPython values_of(Frame frame) {
     columns[column.name.c_str()] =
         std::visit([](auto& values) { return nb::cast(owned_array(std::move(values))); }, column.values);
   }
-  return {nb::cast(owned_array(std::move(frame.ids))), columns,
-          BoxValues{frame.box.width(), frame.box.height(), frame.box.is_periodic()}, frame.clock.step,
+  return {nb::cast(owned_array(std::move(frame.ids))), columns, box_values(frame.box), frame.clock.step,
           frame.clock.time};
 }
 

@@ -122,7 +122,7 @@ class PythonModelKind final : public detail::AgentsKind {
     detail::blame_table(name(), [&] {
       nb::gil_scoped_acquire const acquired;
       nb::object const model = make_model();
-      call_python([&] { return model.attr("_check")(box.width(), box.height(), box.is_periodic()); });
+      call_python([&] { return model.attr("_check")(box_values(box)); });
     });
   }
 

@@ -54,9 +54,9 @@ void ModelWorld::require_open() const {
   if (is_closed_) throw std::runtime_error("the step of this world is over; keep nothing of it between two steps");
 }
 
-std::tuple<double, double, bool> ModelWorld::box() const {
+BoxValues ModelWorld::box() const {
   require_open();
-  return {world_.box.width(), world_.box.height(), world_.box.is_periodic()};
+  return box_values(world_.box);
 }
 std::pair<std::uint64_t, double> ModelWorld::clock() const {
   require_open();

@@ -34,7 +34,7 @@ class ModelWorld {
   ModelWorld(World<TableModel>& world, ModelDefinition const& definition, std::uint64_t threads, Phase phase)
       : world_(world), definition_(definition), threads_(threads), phase_(phase) {}
 
-  [[nodiscard]] std::tuple<double, double, bool> box() const;
+  [[nodiscard]] BoxValues box() const;
   [[nodiscard]] std::pair<std::uint64_t, double> clock() const;
   [[nodiscard]] std::uint64_t seed() const;
   [[nodiscard]] std::size_t size() const;

@@ -27,8 +27,8 @@ Packing packing_of(Points const& points, Numbers const& radii, BoxValues const& 
   for (std::size_t i = 0; i < points.shape(0); ++i) {
     double const x = points(i, 0);
     double const y = points(i, 1);
-    packing.x.push_back(packing.box.is_periodic() ? image_inside(x, packing.box.width()) : x);
-    packing.y.push_back(packing.box.is_periodic() ? image_inside(y, packing.box.height()) : y);
+    packing.x.push_back(packing.box.is_periodic_x() ? image_inside(x, packing.box.width()) : x);
+    packing.y.push_back(packing.box.is_periodic_y() ? image_inside(y, packing.box.height()) : y);
   }
   return packing;
 }

@@ -203,10 +203,9 @@ class PythonSimulation {
     Use const use(*this);
     return {simulation().clock().step, simulation().clock().time};
   }
-  [[nodiscard]] std::tuple<double, double, bool> box() {
+  [[nodiscard]] BoxValues box() {
     Use const use(*this);
-    Box const& box = simulation().box();
-    return {box.width(), box.height(), box.is_periodic()};
+    return box_values(simulation().box());
   }
   [[nodiscard]] double time_step() {
     Use const use(*this);

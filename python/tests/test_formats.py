@@ -72,15 +72,16 @@ def write_h5md(path, points, *, edges="fixed vector", clock="explicit", boundary
 @pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("edges", ["fixed vector", "fixed matrix", "attribute", "vector of each frame", "matrix of each frame"])
 @pytest.mark.parametrize("clock", ["explicit", "linear", "steps", "none"])
-@pytest.mark.parametrize("boundary", ["periodic", "none"])
+@pytest.mark.parametrize("boundary", [("periodic", "periodic"), ("none", "none"), ("periodic", "none"), ("none", "periodic")])
 def test_h5md_of_other_writers_has_its_frames(tmp_path, dimensions, edges, clock, boundary):
     points = positions(dimensions=dimensions)
-    found = gridlock.open(write_h5md(tmp_path / "x.h5md", points, edges=edges, clock=clock, boundary=(boundary, boundary)))
+    found = gridlock.open(write_h5md(tmp_path / "x.h5md", points, edges=edges, clock=clock, boundary=boundary))
     steps = [0, 1, 2] if clock == "none" else [5, 15, 25]
     assert found.steps.tolist() == steps
     assert found.times.tolist() == {"explicit": [0, 0.5, 1], "linear": [0, 0.5, 1]}.get(clock, steps)
     for frame, expected in zip(found, points):
-        assert (frame.box.width, frame.box.height, frame.box.periodic) == (WIDTH, HEIGHT, boundary == "periodic")
+        assert (frame.box.width, frame.box.height) == (WIDTH, HEIGHT)
+        assert (frame.box.periodic_x, frame.box.periodic_y) == tuple(axis == "periodic" for axis in boundary)
         assert np.array_equal(frame.positions, expected[:, :2]) and frame.ids.tolist() == list(range(COUNT))
 
 
@@ -149,8 +150,6 @@ def test_the_group_with_positions_is_found_among_others(tmp_path):
 
 @pytest.mark.parametrize(("change", "message"), [
     ({"edges": "sheared"}, "its box is sheared"),
-    ({"boundary": ("periodic", "none")}, "its box is periodic in x and not in y"),
-    ({"boundary": ("none", "periodic")}, "its box is periodic in y and not in x"),
 ])
 def test_boxes_that_do_not_fit_are_refused_in_words(tmp_path, change, message):
     path = write_h5md(tmp_path / "x.h5", positions(), **change)
@@ -373,9 +372,15 @@ def test_unwrapped_positions_of_lammps_have_images(tmp_path):
     assert np.allclose(frame.unwrapped, [[-0.5, 3.5], [4, 1]])
 
 
+def test_a_dump_of_a_channel_is_periodic_along_it_alone(tmp_path):
+    (tmp_path / "x.dump").write_text(DUMP.format("pp ff", "id x y") + "1 -3 0\n2 1 0.5\n")
+    frame = gridlock.open(tmp_path / "x.dump")[0]
+    assert (frame.box.periodic_x, frame.box.periodic_y, frame.box.edge_x, frame.box.edge_y) == (True, False, "periodic", "wall")
+    assert ((frame.x >= 0) & (frame.x < frame.box.width)).all() and frame.y.tolist() == [1, 1.5]
+
+
 @pytest.mark.parametrize(("flags", "columns", "rows", "message"), [
     ("pp pp", "id x y z", "1 0 0 0\n2 1 0 0.25\n", r"z from 0 to 0\.25"),
-    ("pp ff", "id x y", "1 0 0\n2 1 0\n", "its box is periodic in x and not in y"),
     ("ff ff", "id x y", "1 0 0\n2 1 1.25\n", r"an agent is at 1\.25, outside the walls at -1 and 1"),
     ("pp pp", "id x y", "1 0 0\n1 1 0\n", "two agents have one id"),
     ("pp pp", "id vx vy", "1 0 0\n2 1 0\n", "there is no column x, xs, xu or xsu"),

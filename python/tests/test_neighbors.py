@@ -10,9 +10,9 @@ import gridlock
 def brute_force(points, cutoff, box):
     i, j = np.triu_indices(len(points), k=1)
     difference = points[j] - points[i]
-    if box is not None and box[2]:
-        sides = np.array(box[:2])
-        difference -= sides * np.round(difference / sides)
+    for axis, name in enumerate("xy"):
+        if box is not None and getattr(box, f"periodic_{name}"):
+            difference[:, axis] -= box[axis] * np.round(difference[:, axis] / box[axis])
     return {(a, b) for a, b in zip(i[near], j[near])} if (near := np.hypot(*difference.T) < cutoff).any() else set()
 
 
@@ -22,7 +22,8 @@ def as_set(pairs):
     return found
 
 
-BOXES = [None, gridlock.Box(1.0, 1.0), gridlock.Box(2.0, 0.7), gridlock.Box(1.0, 1.0, periodic=False), gridlock.Box(0.3, 3.0)]
+BOXES = [None, gridlock.Box(1.0, 1.0), gridlock.Box(2.0, 0.7), gridlock.Box(1.0, 1.0, periodic=False), gridlock.Box(0.3, 3.0),
+         gridlock.Box(2.0, 0.7, (True, False)), gridlock.Box(2.0, 0.7, (False, True))]
 
 
 @pytest.mark.parametrize("box", BOXES)

@@ -49,6 +49,17 @@ SCENES = {
 }
 
 
+CHANNELS = {
+    "channel": {
+        "box": {"edge_x": "periodic", "edge_y": "wall", "width": 1.4, "height": 0.9}, "velocities.kind": "maxwell", "run.time": 1,
+        "disks": {"count": 200, "packing_fraction": 0.4, "start": "random",
+                  "species": [{"fraction": 0.5}, {"fraction": 0.5, "size_ratio": 1.4, "mass": 1.96}]},
+    },
+    "upright_channel": {
+        "box": {"edge": "periodic", "edge_x": "wall", "width": 0.9, "height": 1.4}, "run.time": 0.05,
+        "disks": {"count": 6000, "packing_fraction": 0.5, "start": "triangular"},
+    },
+}
 OF_EXACT = {
     "brownian": {
         "box": {"edge": "periodic", "width": 1.2}, "run.time": 0.5,
@@ -90,7 +101,7 @@ ACTIVE = {
     },
 }
 SCENES_OF_ENGINES = [
-    *((scene, engine) for scene in SCENES for engine in ("stepped", "tiled", "exact")),
+    *((scene, engine) for scene in (*SCENES, *CHANNELS) for engine in ("stepped", "tiled", "exact")),
     *((scene, "exact") for scene in OF_EXACT),
     *((scene, engine) for scene in ACTIVE for engine in ("stepped", "tiled")),
 ]
@@ -100,7 +111,7 @@ SCENES_OF_ENGINES = [
 def test_the_golden_hashes_are_those_of_the_table(root, scene, engine):
     with open(root / "tests/golden/hashes.csv", newline="") as file:
         row = next(row for row in csv.DictReader(file) if (row["scene"], row["engine"]) == (scene, engine))
-    simulation = gridlock.Simulation({**(SCENES | OF_EXACT | ACTIVE)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
+    simulation = gridlock.Simulation({**(SCENES | CHANNELS | OF_EXACT | ACTIVE)[scene], "run.seed": 20}, engine={"kind": engine}, observe={"every": 10**6})
     assert simulation.state_hash == row["start"]
     for _ in range(3):
         simulation.run(steps=7)

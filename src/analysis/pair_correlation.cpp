@@ -130,7 +130,9 @@ class Histogram {
 void require(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
              std::span<std::uint32_t const> kinds) {
   if (!box.is_periodic()) {
-    throw Error(Problem{.what = "the pair correlation needs a periodic box", .hint = "give a box with periodic edges"});
+    throw Error(Problem{.what = "the pair correlation needs a box that is periodic in x and y",
+                        .hint = "give a box with periodic edges; a run measures it between walls too, with "
+                                "observables.pair_correlation"});
   }
   require_search(points, range);
   require_box_for(box, range);

@@ -124,7 +124,8 @@ void require_spectrum(Box const& box, PointsInMemory const& points, std::span<do
   auto const refuse = [](std::string what, std::string hint) {
     throw Error({.what = std::move(what), .hint = std::move(hint)});
   };
-  if (!box.is_periodic()) refuse("the spectral density needs a periodic box", "between walls there are no plane waves");
+  if (!box.is_periodic())
+    refuse("the spectral density needs a box that is periodic in x and y", "between walls there are no plane waves");
   if (radii.size() != points.count)
     refuse(fmt::format("there are {} radii for {} disks", radii.size(), points.count), "give one for each disk");
   for (double const radius : radii) {

@@ -68,13 +68,13 @@ class CellMaker {
 
   void make_polygon(std::size_t k, int column, int row) {
     Vector const p{points_.x()[k], points_.y()[k]};
-    if (box_.is_periodic()) {
-      // The bisectors with the point's own images left, right, above and below.
-      Vector const half = 0.5 * Vector{box_.width(), box_.height()};
-      polygon_.begin(-1.0 * half, half, points_.index(k));
-    } else {
-      polygon_.begin(-1.0 * p, Vector{box_.width(), box_.height()} - p, VoronoiPolygon::nobody);
-    }
+    // Walls, or the bisectors with the point's own images left, right, above and below.
+    Vector least = -1.0 * p;
+    Vector most = Vector{box_.width(), box_.height()} - p;
+    if (box_.is_periodic_x()) least.x = -0.5 * box_.width(), most.x = 0.5 * box_.width();
+    if (box_.is_periodic_y()) least.y = -0.5 * box_.height(), most.y = 0.5 * box_.height();
+    polygon_.begin(least, most, box_.is_periodic_x() ? points_.index(k) : VoronoiPolygon::nobody,
+                   box_.is_periodic_y() ? points_.index(k) : VoronoiPolygon::nobody);
     int const last = std::max(layout_.columns(), layout_.rows());
     for (int ring = 0; ring <= last; ++ring) {
       cut_by_ring(k, p, column, row, ring);
@@ -111,13 +111,9 @@ class CellMaker {
 
   /// Cuts the polygon of point k by the points of a grid cell, which may be an image of a cell.
   void cut_by_cell(std::size_t k, Vector p, int column, int row) {
-    Vector shift{};
-    if (box_.is_periodic()) {
-      shift.x = box_.width() * wrap(column, layout_.columns());
-      shift.y = box_.height() * wrap(row, layout_.rows());
-    } else if (column < 0 || column >= layout_.columns() || row < 0 || row >= layout_.rows()) {
-      return;
-    }
+    if (!box_.is_periodic_x() && (column < 0 || column >= layout_.columns())) return;
+    if (!box_.is_periodic_y() && (row < 0 || row >= layout_.rows())) return;
+    Vector const shift{box_.width() * wrap(column, layout_.columns()), box_.height() * wrap(row, layout_.rows())};
     std::size_t const cell = cell_at(column, row);
     Vector const from = p - shift;
     for (std::size_t other = points_.first_of(cell); other < points_.first_of(cell + 1); ++other) {
@@ -158,7 +154,9 @@ void require_inside_walls(Box const& box, PointsInMemory const& points) {
   for (std::size_t i = 0; i < points.count; ++i) {
     double const x = points.x[i * points.stride];
     double const y = points.y[i * points.stride];
-    if (x >= 0.0 && x <= box.width() && y >= 0.0 && y <= box.height()) continue;
+    bool const is_inside_x = box.is_periodic_x() || (x >= 0.0 && x <= box.width());
+    bool const is_inside_y = box.is_periodic_y() || (y >= 0.0 && y <= box.height());
+    if (is_inside_x && is_inside_y) continue;
     throw Error({.what = fmt::format("point {} at ({}, {}) is outside of the walls", i, x, y),
                  .hint = fmt::format("the box is {} × {}", box.width(), box.height())});
   }

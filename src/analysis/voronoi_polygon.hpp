@@ -21,12 +21,10 @@ class VoronoiPolygon {
     std::uint32_t neighbour;  ///< index of the point whose bisector is the edge that begins here
   };
 
-  /// Begins with the rectangle from `least` to `most`, whose edges belong to `neighbour`.
-  void begin(Vector least, Vector most, std::uint32_t neighbour) {
-    corners_.clear();
-    for (Vector const at : {least, Vector{most.x, least.y}, most, Vector{least.x, most.y}}) {
-      corners_.push_back({at, neighbour});
-    }
+  /// Begins with the rectangle from `least` to `most`. Its left and right edges belong to `beside`, the others to
+  /// `above`.
+  void begin(Vector least, Vector most, std::uint32_t beside, std::uint32_t above) {
+    corners_ = {{least, above}, {{most.x, least.y}, beside}, {most, above}, {{least.x, most.y}, beside}};
     measure();
   }
 

@@ -12,7 +12,7 @@ TimeStepCaveats time_step_caveats(Box const& box, Disks const& disks) {
 }
 
 TimeStepCaveats time_step_caveats(Box const& box, double covered_area) {
-  TimeStepCaveats caveats{.centre_drifts = box.is_periodic(), .too_dense = std::nullopt};
+  TimeStepCaveats caveats{.centre_drifts = box.has_images(), .too_dense = std::nullopt};
   double const packing_fraction = covered_area / box.area();
   // The packing fraction of a state differs from the one asked for by the rounding of radii and areas.
   constexpr double rounding = 1e-12;

@@ -10,7 +10,7 @@ std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t se
                             std::uint64_t sum_of_agents) {
   std::uint64_t const record[] = {word_of(box.width()),
                                   word_of(box.height()),
-                                  word_of(box.edge()),
+                                  number_of_edges(box),
                                   word_of(clock.step),
                                   word_of(clock.time),
                                   seed,
@@ -27,11 +27,21 @@ void serialize(Archive& archive, Clock& clock) {
 void serialize(Archive& archive, Box& box) {
   double width = box.width();
   double height = box.height();
-  bool is_periodic = box.is_periodic();
+  bool is_periodic_x = box.is_periodic_x();
+  bool is_periodic_y = box.is_periodic_y();
   archive.visit("width", width);
   archive.visit("height", height);
-  archive.visit("is_periodic", is_periodic);
-  if (archive.is_restoring()) box = Box(width, height, is_periodic ? Edge::periodic : Edge::wall);
+  bool const has_equal_edges = archive.is_restoring() ? archive.has("is_periodic") : is_periodic_x == is_periodic_y;
+  if (has_equal_edges) {
+    archive.visit("is_periodic", is_periodic_x);
+    is_periodic_y = is_periodic_x;
+  } else {
+    archive.visit("is_periodic_x", is_periodic_x);
+    archive.visit("is_periodic_y", is_periodic_y);
+  }
+  if (!archive.is_restoring()) return;
+  auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };
+  box = Box(width, height, edge(is_periodic_x), edge(is_periodic_y));
 }
 
 }  // namespace gridlock

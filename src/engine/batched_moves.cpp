@@ -142,10 +142,10 @@ class BatchedMoves {
       aim(tag, first);
     });
     Turns const local = all & local_;
-    // In a box with walls every cell has its neighbours at the same distances in memory, also at an edge.
-    bool const is_periodic = view_.box.is_periodic();
-    Turns together = look_around(local & (is_periodic ? far_from_edge_ : inside_));
-    if (is_periodic) together |= without_candidates(local & ~far_from_edge_ & inside_);
+    // Between walls every cell has its neighbours at the same distances in memory, also at an edge.
+    bool const has_images = view_.box.has_images();
+    Turns together = look_around(local & (has_images ? far_from_edge_ : inside_));
+    if (has_images) together |= without_candidates(local & ~far_from_edge_ & inside_);
     by_registers(count_, [this](auto tag, std::size_t first) HWY_ATTR { find_partners(tag, first); });
     // A self-propelled disk that is halted at once stays where it is.
     for (Turns left = together & ~stuck_; left != 0; left &= left - 1) {
@@ -260,7 +260,7 @@ class BatchedMoves {
       y = hn::Add(y, displacement_y);
     }
     local_ |= bits_of(tag, local) << first;
-    if (view_.box.is_periodic()) {
+    if (view_.box.has_images()) {
       far_from_edge_ |=
           bits_of(tag, hn::And(is_inner(tag, cells.x, c.inner_columns), is_inner(tag, cells.y, c.inner_rows))) << first;
     }
@@ -282,18 +282,19 @@ class BatchedMoves {
     return velocity;
   }
 
-  /// Returns whether disks stay between the walls, or inside the periodic box, on the way from one point to the other.
+  /// Returns whether disks stay between the walls, or inside the periodic edges, on the way from one point to another.
   /// Every sub-step adds the same displacement, so all positions lie between the two points, however they are rounded.
   template <class D>
   HWY_INLINE hn::Mask<D> is_inside(D tag, Vectors<D> from, Vectors<D> to, hn::Vec<D> radius) const {
     using Double = hn::Vec<D>;
     using IsTrue = hn::Mask<D>;
     TurnConstants const& c = constants_;
-    Double const low = hn::Mul(radius, hn::Set(tag, c.radii_from_edge));
-    Double const high_x = hn::Sub(hn::Set(tag, c.last_x), low);
-    Double const high_y = hn::Sub(hn::Set(tag, c.last_y), low);
-    IsTrue const in_x = hn::And(hn::Ge(hn::Min(from.x, to.x), low), hn::Le(hn::Max(from.x, to.x), high_x));
-    IsTrue const in_y = hn::And(hn::Ge(hn::Min(from.y, to.y), low), hn::Le(hn::Max(from.y, to.y), high_y));
+    Double const low_x = hn::Mul(radius, hn::Set(tag, c.radii_from_edge_x));
+    Double const low_y = hn::Mul(radius, hn::Set(tag, c.radii_from_edge_y));
+    Double const high_x = hn::Sub(hn::Set(tag, c.last_x), low_x);
+    Double const high_y = hn::Sub(hn::Set(tag, c.last_y), low_y);
+    IsTrue const in_x = hn::And(hn::Ge(hn::Min(from.x, to.x), low_x), hn::Le(hn::Max(from.x, to.x), high_x));
+    IsTrue const in_y = hn::And(hn::Ge(hn::Min(from.y, to.y), low_y), hn::Le(hn::Max(from.y, to.y), high_y));
     return hn::And(in_x, in_y);
   }
 
@@ -562,7 +563,7 @@ class BatchedMoves {
   /// Takes the turn of a disk at an edge, or beside a cell with more disks than a block, by itself.
   void take_alone(std::size_t l) {
     Block const& here = *t_.block[l];
-    if (view_.box.is_periodic() ||
+    if (view_.box.has_images() ||
         (grid_.has_further_blocks() && has_further_blocks(here, constants_.block_offsets[0].data()))) {
       turns_.take(turns_.prepare(rows_[l], here, slots_[l]), result_of(l).counters);
       return;
@@ -609,7 +610,7 @@ class BatchedMoves {
   HWY_INLINE void collide(DiskInTurn& self, DiskInTurn& other, Counters& counters) const {
     Pair const tag;
     auto b = hn::Sub(hn::Load(tag, &other.position.x), hn::Load(tag, &self.position.x));
-    if (view_.box.is_periodic()) {
+    if (view_.box.has_images()) {
       Vector const nearest = view_.box.displacement_inside(self.position, other.position);
       b = hn::OddEven(hn::Set(tag, nearest.y), hn::Set(tag, nearest.x));
     }

@@ -22,9 +22,9 @@ namespace {
 
 /// A periodic box must be wider than two distances at contact, or a disk could touch another from both sides at once.
 void require_room_for_images(State const& state) {
-  if (!state.box.is_periodic() || state.agents.size() < 2) return;
+  if (state.agents.size() < 2) return;
   double const needed = side_for_images(state);
-  if (std::min(state.box.width(), state.box.height()) > needed) return;
+  if (state.box.shortest_period() > needed) return;
   throw Error({.what = fmt::format("in a periodic box of {} × {} a disk could touch two images of the same partner; "
                                    "these disks need sides above {:.6g}",
                                    state.box.width(), state.box.height(), needed),
@@ -35,11 +35,13 @@ void require_room_for_images(State const& state) {
 /// Throws Error for a disk that touches two walls at once: the walls would hand it back and forth without end.
 void require_room_between_walls(State const& state, double rounding) {
   if (state.box.is_periodic()) return;
+  double const room_x = state.box.is_periodic_x() ? std::numeric_limits<double>::infinity() : state.box.width();
+  double const room_y = state.box.is_periodic_y() ? std::numeric_limits<double>::infinity() : state.box.height();
   for (std::size_t i = 0; i < state.agents.size(); ++i) {
     double const diameter = 2.0 * state.agents.column<Radius>()[i];
     Vector const v = velocity(state.agents, i);
-    bool const is_stuck_in_x = v.x != 0.0 && state.box.width() - diameter <= rounding;
-    bool const is_stuck_in_y = v.y != 0.0 && state.box.height() - diameter <= rounding;
+    bool const is_stuck_in_x = v.x != 0.0 && room_x - diameter <= rounding;
+    bool const is_stuck_in_y = v.y != 0.0 && room_y - diameter <= rounding;
     if (!is_stuck_in_x && !is_stuck_in_y) continue;
     throw Error(
         {.what = fmt::format("disk {} of diameter {} touches two opposite walls of the box of {} × {} and moves "

@@ -120,13 +120,13 @@ void check_ends(GrowthSettings const& settings, State const& state, std::vector<
 
 /// Reports growth to a size at which a disk would touch two images of the same partner.
 void check_room(GrowthSettings const& settings, State const& state, std::vector<Problem>& problems) {
-  if (!state.box.is_periodic()) return;
+  if (!state.box.has_images()) return;
   double const last = settings.pressure ? closest_packing(state) : settings.packing_fraction.value_or(0.0);
   double const end = std::min(last, settings.packing_fraction.value_or(last));
   State grown = state;
   double const scale = std::sqrt(std::max(1.0, end / packing_fraction_of(state)));
   for (double& r : grown.agents.column<Radius>()) r *= scale;
-  if (auto const needed = side_for_images(grown); std::min(state.box.width(), state.box.height()) <= needed) {
+  if (auto const needed = side_for_images(grown); state.box.shortest_period() <= needed) {
     problems.push_back(
         {.what = fmt::format("in a periodic box of {} × {} disks grown to packing fraction {:.6g} could touch "
                              "two images of the same partner; they need sides above {:.6g}",

@@ -79,9 +79,10 @@ struct TurnConstants {
         limit_error(grid.local_limit(0.0)),
         inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
         inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))),
-        radii_from_edge(view.box.is_periodic() ? 0.0 : 1.0),
-        last_x(view.box.is_periodic() ? std::nextafter(view.box.width(), 0.0) : view.box.width()),
-        last_y(view.box.is_periodic() ? std::nextafter(view.box.height(), 0.0) : view.box.height()) {
+        radii_from_edge_x(view.box.is_periodic_x() ? 0.0 : 1.0),
+        radii_from_edge_y(view.box.is_periodic_y() ? 0.0 : 1.0),
+        last_x(view.box.is_periodic_x() ? std::nextafter(view.box.width(), 0.0) : view.box.width()),
+        last_y(view.box.is_periodic_y() ? std::nextafter(view.box.height(), 0.0) : view.box.height()) {
     std::size_t k = 0;
     for (int const row : {-1, 0, 1}) {
       for (int const column : {-1, 0, 1}) {
@@ -104,8 +105,9 @@ struct TurnConstants {
   float limit_error;
   unsigned inner_columns;  ///< columns that are not at an edge
   unsigned inner_rows;
-  double radii_from_edge;  ///< radii that a disk keeps from the edges: 1 from walls, 0 in a periodic box
-  double last_x;           ///< largest x inside the box: the upper edge, or just below it in a periodic box
+  double radii_from_edge_x;  ///< radii that a disk keeps from the edges: 1 from walls, 0 from periodic edges
+  double radii_from_edge_y;
+  double last_x;  ///< largest x inside the box: the right wall, or just below a periodic edge
   double last_y;
 
   static constexpr std::size_t blocks_around = 8;

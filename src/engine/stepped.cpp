@@ -56,8 +56,8 @@ void require_no_jumps(State const& some, DisksOverview const& all, double subste
 /// Throws Error for a small periodic box. Pairs collide along the vector to the nearest image; it is the image that was
 /// hit as long as contact distance plus sub-step is less than half the box.
 void require_room_for_images(Box const& box, DisksOverview const& all, double substep) {
-  if (!box.is_periodic() || all.count < 2) return;
-  double const shorter = std::min(box.width(), box.height());
+  if (all.count < 2) return;
+  double const shorter = box.shortest_period();
   double const needed = 2.0 * (2.0 * all.radii.largest + all.largest_speed * substep);
   if (needed <= shorter) return;
   throw Error({.what = fmt::format("a periodic box with a side of {:.6g} is too small: a disk could meet two images of "

@@ -98,10 +98,14 @@ inline bool hits_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Coun
     counters.wall_impulse[wall] += 2.0 * disk.mass * std::abs(component);
     component = -component;
   };
-  if (trial.x < r) reflect(Counters::left, disk.velocity.x);
-  if (trial.x > box.width() - r) reflect(Counters::right, disk.velocity.x);
-  if (trial.y < r) reflect(Counters::bottom, disk.velocity.y);
-  if (trial.y > box.height() - r) reflect(Counters::top, disk.velocity.y);
+  if (!box.is_periodic_x()) {
+    if (trial.x < r) reflect(Counters::left, disk.velocity.x);
+    if (trial.x > box.width() - r) reflect(Counters::right, disk.velocity.x);
+  }
+  if (!box.is_periodic_y()) {
+    if (trial.y < r) reflect(Counters::bottom, disk.velocity.y);
+    if (trial.y > box.height() - r) reflect(Counters::top, disk.velocity.y);
+  }
   return is_hit;
 }
 

@@ -136,8 +136,8 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
   int const rows = layout.rows_within(cutoff);
   PairBuffer buffer(on_pairs);
   // Half of the block, to the right and above, finds every pair once, unless the block goes around the box.
-  bool const goes_around =
-      layout.is_periodic() && (2.0 * columns + 1.0 > layout.columns() || 2.0 * rows + 1.0 > layout.rows());
+  bool const goes_around = (layout.is_periodic_x() && 2.0 * columns + 1.0 > layout.columns()) ||
+                           (layout.is_periodic_y() && 2.0 * rows + 1.0 > layout.rows());
   if (goes_around) {
     find_pairs_of_whole_blocks(grid, columns, rows, buffer);
     buffer.flush();

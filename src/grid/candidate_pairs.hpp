@@ -125,11 +125,11 @@ class PlacesOfWindow {
 
 inline PlacesOfWindow columns_of_window(PackedGrid const& grid) {
   CellWindow const& window = grid.window();
-  return {window.first_column, window.end_column, grid.layout().columns(), grid.layout().is_periodic()};
+  return {window.first_column, window.end_column, grid.layout().columns(), grid.layout().is_periodic_x()};
 }
 inline PlacesOfWindow rows_of_window(PackedGrid const& grid) {
   CellWindow const& window = grid.window();
-  return {window.first_row, window.end_row, grid.layout().rows(), grid.layout().is_periodic()};
+  return {window.first_row, window.end_row, grid.layout().rows(), grid.layout().is_periodic_y()};
 }
 
 /// The cells of a row of the window and the blocks that they look at. It copies fields of the grid, because a compiler

@@ -34,7 +34,8 @@ CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows
       cell_height_(box.height() / static_cast<double>(rows)),
       columns_per_length_(static_cast<double>(columns) / box.width()),
       rows_per_length_(static_cast<double>(rows) / box.height()),
-      is_periodic_(box.is_periodic()) {
+      is_periodic_x_(box.is_periodic_x()),
+      is_periodic_y_(box.is_periodic_y()) {
   if (columns == 0 || rows == 0 || columns >= max_cells / rows) {
     throw Error(
         {.what = "a grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
@@ -43,8 +44,8 @@ CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows
   }
 }
 
-int CellLayout::index_from_outside(double p, double per_length, int count, double side) const {
-  double const index = (is_periodic_ ? image_inside(p, side) : p) * per_length;
+int CellLayout::index_from_outside(double p, double per_length, int count, double side, bool is_periodic) {
+  double const index = (is_periodic ? image_inside(p, side) : p) * per_length;
   // Clamped before the conversion, which is undefined for a point far outside walls; max(0, NaN) is 0.
   return static_cast<int>(std::min(std::max(0.0, index), static_cast<double>(count - 1)));
 }

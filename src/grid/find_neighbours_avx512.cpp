@@ -31,8 +31,8 @@ GRIDLOCK_AVX512 inline std::size_t find(RowSearch const& search, std::span<RowRa
       __m512d d_x = _mm512_sub_pd(_mm512_maskz_loadu_pd(taken, search.x + row), x);
       __m512d d_y = _mm512_sub_pd(_mm512_maskz_loadu_pd(taken, search.y + row), y);
       if constexpr (has_images) {
-        d_x = nearest_image(d_x, search.box->width());
-        d_y = nearest_image(d_y, search.box->height());
+        d_x = nearest_image(d_x, search.box->period_x());
+        d_y = nearest_image(d_y, search.box->period_y());
       }
       __m512d const squared_distance = _mm512_add_pd(_mm512_mul_pd(d_x, d_x), _mm512_mul_pd(d_y, d_y));
       __m256i const rows = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(row)), zero_to_seven);
@@ -48,7 +48,7 @@ GRIDLOCK_AVX512 inline std::size_t find(RowSearch const& search, std::span<RowRa
 
 GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(RowSearch const& search, std::span<RowRange const> ranges,
                                                    std::uint32_t* found) {
-  if (search.box == nullptr || !search.box->is_periodic()) return find<false>(search, ranges, found);
+  if (search.box == nullptr || !search.box->has_images()) return find<false>(search, ranges, found);
   return find<true>(search, ranges, found);
 }
 

@@ -57,8 +57,8 @@ HWY_INLINE std::size_t find(RowSearch const& search, std::span<RowRange const> r
   double const* const y = search.y;
   std::size_t const size = search.size;
   std::size_t const search_left_out = search.left_out;
-  double const width = has_images ? search.box->width() : 0.0;
-  double const height = has_images ? search.box->height() : 0.0;
+  double const width = has_images ? search.box->period_x() : 0.0;
+  double const height = has_images ? search.box->period_y() : 0.0;
   auto const near_bits = [&](std::size_t row) HWY_ATTR {
     auto d_x = hn::Sub(hn::LoadU(tag, x + row), p_x);
     auto d_y = hn::Sub(hn::LoadU(tag, y + row), p_y);
@@ -98,7 +98,7 @@ HWY_INLINE std::size_t find(RowSearch const& search, std::span<RowRange const> r
 }  // namespace
 
 std::size_t find_neighbours_highway(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
-  if (search.box == nullptr || !search.box->is_periodic()) return find<false>(search, ranges, found);
+  if (search.box == nullptr || !search.box->has_images()) return find<false>(search, ranges, found);
   return find<true>(search, ranges, found);
 }
 

@@ -65,7 +65,7 @@ void search_band(CellList const& points, Box const& box, double cutoff, int firs
                                                  .p = {points.x()[row], points.y()[row]},
                                                  .squared_cutoff = cutoff * cutoff,
                                                  .left_out = row,
-                                                 .box = block.is_at_edge && box.is_periodic() ? &box : nullptr},
+                                                 .box = block.is_at_edge && box.has_images() ? &box : nullptr},
                                                 block.ranges(), found);
       band.neighbours.add(count);
       counts[row - rows.first] = static_cast<std::uint32_t>(count);
@@ -152,7 +152,7 @@ class Search {
                                                .p = p,
                                                .squared_cutoff = cutoff * cutoff,
                                                .left_out = points_.size(),
-                                               .box = block.is_at_edge && box_.is_periodic() ? &box_ : nullptr},
+                                               .box = block.is_at_edge && box_.has_images() ? &box_ : nullptr},
                                               block.ranges(), rows);
     return {rows, count};
   }
@@ -348,8 +348,7 @@ PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInM
     return reach.factor * (a.largest_radius + b.largest_radius) + reach.gap;
   };
   SearchFrame const frame = frame_of(box, reach_of(classes.front(), classes.front()), centres);
-  double const most =
-      box.is_periodic() ? 0.5 * std::min(box.width(), box.height()) : std::numeric_limits<double>::max();
+  double const most = std::min(0.5 * box.shortest_period(), std::numeric_limits<double>::max());
   // A factor above 1 covers rounding; add() decides by the coordinates as they were given.
   auto const cutoff_of = [&](SizeClass const& a, SizeClass const& b) {
     return std::min(most, reach_of(a, b) * (1.0 + 1e-9));

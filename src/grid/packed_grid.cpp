@@ -29,8 +29,8 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   bool const has_all_rows = window.end_row - window.first_row >= rows;
   if (has_all_columns) window_.first_column = 0, window_.end_column = columns;
   if (has_all_rows) window_.first_row = 0, window_.end_row = rows;
-  assert(layout.is_periodic() || (window_.first_column >= 0 && window_.end_column <= columns &&
-                                  window_.first_row >= 0 && window_.end_row <= rows));
+  assert(layout.is_periodic_x() || (window_.first_column >= 0 && window_.end_column <= columns));
+  assert(layout.is_periodic_y() || (window_.first_row >= 0 && window_.end_row <= rows));
   stride_ = static_cast<std::size_t>(window_.end_column - window_.first_column) + 1;
   std::size_t const first_of_cells = stride_ + 1;
   first_ = window_.first_row * static_cast<std::ptrdiff_t>(stride_) + window_.first_column -
@@ -42,13 +42,13 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
          .hint = "use at most " + std::to_string(max_blocks) + " cells",
          .key = "engine.cells"});
   }
-  auto const beyond = [&](int at_wall, int around, int next, bool has_all) {
-    return !layout.is_periodic() ? at_wall : has_all ? around : next;
+  auto const beyond = [](bool is_periodic, int at_wall, int around, int next, bool has_all) {
+    return !is_periodic ? at_wall : has_all ? around : next;
   };
-  left_of_first_ = beyond(window_.end_column, columns - 1, -1, has_all_columns);
-  right_of_last_ = beyond(window_.end_column, 0, columns, has_all_columns);
-  below_first_ = beyond(window_.end_row, rows - 1, -1, has_all_rows);
-  above_last_ = beyond(window_.end_row, 0, rows, has_all_rows);
+  left_of_first_ = beyond(layout.is_periodic_x(), window_.end_column, columns - 1, -1, has_all_columns);
+  right_of_last_ = beyond(layout.is_periodic_x(), window_.end_column, 0, columns, has_all_columns);
+  below_first_ = beyond(layout.is_periodic_y(), window_.end_row, rows - 1, -1, has_all_rows);
+  above_last_ = beyond(layout.is_periodic_y(), window_.end_row, 0, rows, has_all_rows);
   double const longer = std::max(layout.cell_width(), layout.cell_height());
   locals_per_length_ = 1.0 / longer;
   local_width_ = static_cast<float>(layout.cell_width() / longer);

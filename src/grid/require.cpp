@@ -54,8 +54,8 @@ void require_bounded_cutoff(double cutoff) {
 
 void require_box_for(Box const& box, double cutoff) {
   if (auto problem = find_extreme_sides(box)) throw Error(*problem);
-  double const most = 0.5 * std::min(box.width(), box.height());
-  if (!box.is_periodic() || cutoff <= most) return;
+  double const most = 0.5 * box.shortest_period();
+  if (cutoff <= most) return;
   throw Error({.what = "a cutoff of " + number_text(cutoff) + " is more than half a side of the periodic box of " +
                        number_text(box.width()) + " × " + number_text(box.height()),
                .hint = "use at most " + number_text(most) +

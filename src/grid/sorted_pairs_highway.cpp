@@ -57,8 +57,8 @@ HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRa
   std::uint32_t const* const index = rows.index;
   std::size_t const size = rows.size;
   auto const squared_cutoff = hn::Set(tag, rows.squared_cutoff);
-  double const width = has_images ? box->width() : 0.0;
-  double const height = has_images ? box->height() : 0.0;
+  double const width = has_images ? box->period_x() : 0.0;
+  double const height = has_images ? box->period_y() : 0.0;
   for (std::size_t row = cell.first; row < cell.end; ++row) {
     auto const p_x = hn::Set(tag, x[row]);
     auto const p_y = hn::Set(tag, y[row]);
@@ -98,7 +98,7 @@ HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRa
 
 void add_pairs_of_rows_highway(SortedRows const& rows, RowRange cell, std::span<RowRange const> ranges, Box const* box,
                                PairBuffer& buffer) {
-  if (box == nullptr || !box->is_periodic()) {
+  if (box == nullptr || !box->has_images()) {
     add_pairs<false>(rows, cell, ranges, box, buffer);
   } else {
     add_pairs<true>(rows, cell, ranges, box, buffer);

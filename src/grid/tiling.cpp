@@ -26,9 +26,10 @@ std::vector<int> cuts(int cells, int cells_of_tile, bool is_periodic) {
 
 Tiling::Tiling(CellLayout const& layout, int cells_of_tile) {
   assert(cells_of_tile >= 2);
-  std::vector<int> const columns = cuts(layout.columns(), cells_of_tile, layout.is_periodic());
-  std::vector<int> const rows = cuts(layout.rows(), cells_of_tile, layout.is_periodic());
-  is_periodic_ = layout.is_periodic();
+  std::vector<int> const columns = cuts(layout.columns(), cells_of_tile, layout.is_periodic_x());
+  std::vector<int> const rows = cuts(layout.rows(), cells_of_tile, layout.is_periodic_y());
+  is_periodic_x_ = layout.is_periodic_x();
+  is_periodic_y_ = layout.is_periodic_y();
   columns_ = columns.size() - 1;
   rows_ = rows.size() - 1;
   for (std::size_t colour = 0; colour < colours; ++colour) {

@@ -31,9 +31,18 @@ std::string text_of_broken(Disks const& disks, std::size_t i) {
 /// Returns whether a disk is inside a box; it may be beyond a wall by `beyond_walls`.
 bool is_inside(Box const& box, Vector p, double radius, double beyond_walls) {
   // A centre on the upper edge of a periodic box is the same point as 0 and must be given as 0.
-  if (box.is_periodic()) return p.x >= 0.0 && p.x < box.width() && p.y >= 0.0 && p.y < box.height();
   double const margin = radius - beyond_walls;
-  return p.x >= margin && p.x <= box.width() - margin && p.y >= margin && p.y <= box.height() - margin;
+  auto const is_between = [margin](double place, double side, bool is_periodic) {
+    return is_periodic ? place >= 0.0 && place < side : place >= margin && place <= side - margin;
+  };
+  return is_between(p.x, box.width(), box.is_periodic_x()) && is_between(p.y, box.height(), box.is_periodic_y());
+}
+
+std::string hint_of_inside(Box const& box) {
+  if (box.is_periodic()) return "centres lie in [0, width) × [0, height)";
+  if (!box.has_images()) return "centres lie at least one radius away from every wall";
+  return fmt::format("centres lie in {} and at least one radius away from the walls",
+                     box.is_periodic_x() ? "[0, width)" : "[0, height)");
 }
 
 /// Calls visit(i, j, gap) for every pair that overlaps; gap < 0 is the distance between the rims.
@@ -82,7 +91,7 @@ class FirstOverlaps {
 /// Reports disks that overlap their own image.
 void find_own_images(Box const& box, double largest_radius, std::vector<Problem>& problems) {
   double const diameter = 2.0 * largest_radius;
-  if (!box.is_periodic() || diameter <= std::min(box.width(), box.height())) return;
+  if (diameter <= box.shortest_period()) return;
   problems.push_back({.what = fmt::format("a disk of diameter {} overlaps its own image in a periodic box of {} × {}",
                                           diameter, box.width(), box.height()),
                       .hint = "use a larger box or smaller disks",
@@ -155,8 +164,7 @@ void RowProblems::add(RowProblems const& next) {
 void RowProblems::require_none(Box const& box) const {
   std::vector<Problem> problems;
   not_finite_.move_into(problems, "every value must be finite, radius and mass above 0");
-  not_inside_.move_into(problems, box.is_periodic() ? "centres lie in [0, width) × [0, height)"
-                                                    : "centres lie at least one radius away from every wall");
+  not_inside_.move_into(problems, hint_of_inside(box));
   if (!problems.empty()) throw Error(std::move(problems));
   // Reports numbers so large or small that their squares overflow or vanish.
   if (auto problem = find_extreme_sides(box)) problems.push_back(*std::move(problem));

@@ -203,6 +203,7 @@ class RestoringArchive final : public NamedArchive {
       : file_(file), parts_(parts), share_(share) {}
 
   [[nodiscard]] bool is_restoring() const override { return true; }
+  [[nodiscard]] bool has(std::string_view name) const override { return file_.has(full(name)); }
   void visit(std::string_view name, bool& value) override { value = file_.at(full(name), FileKind::truth).number != 0; }
   void visit(std::string_view name, double& value) override { value = std::bit_cast<double>(number(name)); }
   void visit(std::string_view name, std::uint64_t& value) override { value = number(name); }

@@ -97,6 +97,7 @@ class File {
   [[nodiscard]] std::uint32_t version() const { return version_; }
   [[nodiscard]] Checksum const& checksum() const { return checksum_; }
 
+  [[nodiscard]] bool has(std::string const& member) const { return members_.contains(member); }
   /// Returns the member with this name and kind. Errors: Error if there is none.
   [[nodiscard]] Place const& at(std::string const& member, Kind kind) const;
   [[nodiscard]] std::string text(Place const& place) const;

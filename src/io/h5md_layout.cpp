@@ -39,6 +39,18 @@ std::vector<Element> elements_of(std::vector<FrameColumn> const& columns) {
   return elements;
 }
 
+std::vector<std::string> boundary_of(Box const& box) {
+  auto const text = [](bool is_periodic) { return is_periodic ? "periodic" : "none"; };
+  return {text(box.is_periodic_x()), text(box.is_periodic_y()), "none"};
+}
+
+std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary) {
+  auto const edge = [&](std::size_t axis) {
+    return boundary[std::min(axis, boundary.size() - 1)] == "periodic" ? Edge::periodic : Edge::wall;
+  };
+  return {edge(0), edge(1)};
+}
+
 std::vector<std::string> column_names(std::string const& element, bool is_vector) {
   if (!is_vector) return {element};
   if (element == "position") return {"x", "y"};
@@ -57,7 +69,7 @@ Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, 
                         std::uint64_t state_hash) {
   Checksum sum;
   double const reals[] = {box.width(), box.height(), clock.time};
-  std::uint64_t const wholes[] = {box.is_periodic() ? 1U : 0U, clock.step, seed, agents, state_hash};
+  std::uint64_t const wholes[] = {number_of_edges(box), clock.step, seed, agents, state_hash};
   sum.add(std::span(reals));
   sum.add(std::span(wholes));
   return sum;

@@ -8,11 +8,17 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/frame.hpp"
 
 namespace gridlock::h5md {
+
+/// Returns the attribute `boundary` of a box: "periodic" or "none" along x, y and z.
+std::vector<std::string> boundary_of(Box const& box);
+/// Returns the edges along x and y. Values that a file of another program leaves out are those of x.
+std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary);
 
 inline constexpr std::uint64_t absent_id = std::numeric_limits<std::uint64_t>::max();
 /// Maximum number of agents in a chunk, so that a chunk of 64-bit numbers takes 1 MiB.

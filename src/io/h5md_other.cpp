@@ -120,7 +120,7 @@ class OtherTrajectory final : public Source {
   std::size_t dimensions_ = 2;
   std::size_t agents_ = 0;
   std::vector<Clock> clocks_;
-  Edge edge_ = Edge::wall;
+  std::pair<Edge, Edge> edges_{};
   std::vector<Quantity> quantities_;
   std::optional<std::pair<Span, Span>> around_;  ///< range of all positions in x and y, for boxes without edges
 };
@@ -196,15 +196,7 @@ void OtherTrajectory::read_creator() {
 void OtherTrajectory::read_boundary() {
   auto const box = hdf5::find_group(file_, group_ + "/box");
   if (!box || H5Aexists(box->id(), "boundary") <= 0) return;
-  std::vector<std::string> const boundary = hdf5::read_texts(*box, "boundary");
-  bool const x = boundary.front() == "periodic";
-  bool const y = boundary[std::min<std::size_t>(1, boundary.size() - 1)] == "periodic";
-  if (x != y) {
-    throw hdf5::Failure(
-        fmt::format("its box is periodic in {} and not in {}, and boxes here are periodic in both or in none",
-                    x ? "x" : "y", x ? "y" : "x"));
-  }
-  edge_ = x ? Edge::periodic : Edge::wall;
+  edges_ = edges_of(hdf5::read_texts(*box, "boundary"));
 }
 
 std::optional<Quantity> OtherTrajectory::quantity_of(std::string const& name) const {
@@ -265,7 +257,8 @@ bool OtherTrajectory::has_edges() const {
 
 /// Sets the box to the rectangle around all positions of all frames, for files without edges of the box.
 void OtherTrajectory::surround() {
-  if (edge_ == Edge::periodic) throw hdf5::Failure("its box is periodic and has no edges");
+  if (edges_.first == Edge::periodic || edges_.second == Edge::periodic)
+    throw hdf5::Failure("its box is periodic and has no edges");
   auto& [x, y] = around_.emplace();
   for (std::size_t k = 0; k < clocks_.size(); ++k) {
     for (double const value : component(positions_, k, 0)) x.add(value);
@@ -361,24 +354,24 @@ void OtherTrajectory::require_plane(std::size_t k) const {
   }
 }
 
-/// Moves positions into the box, with its lower left corner as origin. In a periodic box the file's origin does not
+/// Moves positions into the box, with its lower left corner as origin. Along periodic axes the file's origin does not
 /// matter, since positions are folded and images updated. Between walls a negative position shows that the origin is
 /// the middle of the box.
 void OtherTrajectory::put_inside(Frame& frame) const {
-  auto const put = [&](std::size_t c, char const* image, double side, Span const* around) {
+  auto const put = [&](std::size_t c, char const* image, double side, bool is_periodic, Span const* around) {
     auto& values = std::get<std::vector<double>>(frame.columns[c].values);
     auto const is_image = [&](FrameColumn const& column) { return column.name == image; };
     auto const found = std::ranges::find_if(frame.columns, is_image);
     auto* const images =
         found == frame.columns.end() ? nullptr : std::get_if<std::vector<std::int32_t>>(&found->values);
-    if (frame.box.is_periodic()) {
+    if (is_periodic) {
       fold_all(values, side, images);
     } else {
       count_from_wall(values, side, around);
     }
   };
-  put(0, ImageX::name, frame.box.width(), around_ ? &around_->first : nullptr);
-  put(1, ImageY::name, frame.box.height(), around_ ? &around_->second : nullptr);
+  put(0, ImageX::name, frame.box.width(), frame.box.is_periodic_x(), around_ ? &around_->first : nullptr);
+  put(1, ImageY::name, frame.box.height(), frame.box.is_periodic_y(), around_ ? &around_->second : nullptr);
 }
 
 FrameValues in_order(FrameValues const& values, std::vector<std::size_t> const& rows) {
@@ -407,7 +400,7 @@ H5mdFrame OtherTrajectory::read_frame(std::size_t k) const {
   Frame& frame = result.frame;
   auto const [width, height] = sides_at(k);
   try {
-    frame.box = Box(width, height, edge_);
+    frame.box = Box(width, height, edges_.first, edges_.second);
   } catch (Error const&) {
     throw hdf5::Failure(fmt::format("the box of frame {} is {} × {}", k, width, height));
   }

@@ -68,7 +68,7 @@ class OwnTrajectory final : public h5md::Source {
   Handle file_;
   H5mdSettings settings_;
   std::string group_;
-  Edge edge_ = Edge::wall;
+  std::pair<Edge, Edge> edges_{};
   std::uint64_t seed_ = 0;
   std::vector<Element> elements_;
   std::vector<Clock> clocks_;
@@ -83,8 +83,7 @@ void OwnTrajectory::open() {
   // The steps are read first. A writer adds the step of a frame last, so all data of the frames counted here already
   // exist.
   read_clocks();
-  edge_ = hdf5::read_texts(hdf5::open_group(file_, group_ + "/box"), "boundary")[0] == "periodic" ? Edge::periodic
-                                                                                                  : Edge::wall;
+  edges_ = h5md::edges_of(hdf5::read_texts(hdf5::open_group(file_, group_ + "/box"), "boundary"));
   settings_.configuration = hdf5::read_text(file_, "/parameters/configuration");
   settings_.version = hdf5::read_text(file_, "/parameters/version");
   settings_.author = hdf5::read_text_attribute(hdf5::open_group(file_, "/h5md/author"), "name");
@@ -141,7 +140,7 @@ Box OwnTrajectory::read_box(std::size_t k) const {
   constexpr hsize_t d = h5md::dimensions;
   auto const edges = hdf5::read<double>(dataset(group_ + "/box/edges/value", 3), {{k, 0, 0}, {1, d, d}});
   try {
-    return Box(edges[0], edges[d + 1], edge_);
+    return Box(edges[0], edges[d + 1], edges_.first, edges_.second);
   } catch (Error const&) {
     throw hdf5::Failure(fmt::format("the box of frame {} is {} × {}", k, edges[0], edges[d + 1]));
   }

@@ -130,8 +130,7 @@ class Beginning {
     Handle const box = hdf5::create_group(file_, group_ + "/box");
     constexpr int dimension = h5md::dimensions;
     hdf5::set_attribute(box, "dimension", std::span(&dimension, 1));
-    std::string const edge = frame_.box().is_periodic() ? "periodic" : "none";
-    hdf5::set_attribute(box, "boundary", std::vector<std::string>{edge, edge, "none"});
+    hdf5::set_attribute(box, "boundary", h5md::boundary_of(frame_.box()));
     hdf5::create_group(file_, group_ + "/box/edges");
     constexpr hsize_t d = h5md::dimensions;
     create_dataset(file_, group_ + "/box/edges/value", hdf5::native<double>(),
@@ -261,7 +260,7 @@ class H5mdWriter::Trajectory {
   std::vector<std::string> observables_;
   std::size_t rows_per_chunk_ = 0;
   int compression_ = 0;
-  bool is_edge_periodic_ = false;
+  std::vector<std::string> boundary_;
   std::vector<std::uint64_t> steps_;
   std::vector<std::uint64_t> state_hashes_;
 };
@@ -316,7 +315,7 @@ void H5mdWriter::Trajectory::look_into(Handle const& file) {
   bool const is_deflated =
       H5Pget_filter_by_id2(list.id(), H5Z_FILTER_DEFLATE, nullptr, &parameters, &level, 0, nullptr, nullptr) >= 0;
   compression_ = is_deflated ? static_cast<int>(level) : 0;
-  is_edge_periodic_ = hdf5::read_texts(hdf5::open_group(file, group_ + "/box"), "boundary")[0] == "periodic";
+  boundary_ = hdf5::read_texts(hdf5::open_group(file, group_ + "/box"), "boundary");
   for (h5md::Element const& element : elements_) {
     if (!hdf5::has(file, group_ + "/" + element.name)) throw hdf5::Failure("the file holds no " + element.name);
   }
@@ -328,7 +327,7 @@ void H5mdWriter::Trajectory::look_into(Handle const& file) {
 }
 
 void H5mdWriter::Trajectory::require_columns(FrameSource const& frame) const {
-  if (frame.columns() != columns_ || frame.box().is_periodic() != is_edge_periodic_) {
+  if (frame.columns() != columns_ || h5md::boundary_of(frame.box()) != boundary_) {
     throw RunFailure(fmt::format("{}: a frame has other columns or edges than the first one", path_.string()));
   }
 }

@@ -79,7 +79,7 @@ std::array<bool, 2> read_periodic(Lines const& lines, Entry const& entry) {
     if (auto const is_periodic = truth(word)) periodic.push_back(*is_periodic);
   }
   if (words.empty() || words.size() > 3 || periodic.size() != words.size()) {
-    refuse_entry(lines, entry, "\"T T F\" or \"F F F\"");
+    refuse_entry(lines, entry, "\"T T F\", \"F F F\" or \"T F F\"");
   }
   return {periodic[0], periodic.size() > 1 ? periodic[1] : periodic[0]};
 }
@@ -213,10 +213,6 @@ Box box_of_disks(Lines const& lines, Header const& header) {
     lines.refuse(fmt::format("the Lattice {} is not orthogonal", in_quotes(header.entry("Lattice")->value)),
                  "only boxes in the plane can be simulated: width 0 0 0 height 0 0 0 1", lattice);
   }
-  if (header.is_periodic[0] != header.is_periodic[1]) {
-    lines.refuse(fmt::format("pbc {} is periodic on two sides only", in_quotes(header.entry("pbc")->value)),
-                 "a box has either walls or periodic edges on all sides", header.entry("pbc")->column);
-  }
   if (!header.columns) {
     lines.refuse("the second line gives no Properties",
                  hint_of_missing(header, "Properties", "add Properties=species:S:1:pos:R:3:radius:R:1"));
@@ -225,7 +221,8 @@ Box box_of_disks(Lines const& lines, Header const& header) {
     lines.refuse("the file has no positions: no pos among the Properties", "add pos:R:3 and the columns",
                  header.entry("Properties")->column);
   }
-  return {header.sides->width, header.sides->height, header.is_periodic[0] ? Edge::periodic : Edge::wall};
+  auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };
+  return {header.sides->width, header.sides->height, edge(header.is_periodic[0]), edge(header.is_periodic[1])};
 }
 
 }  // namespace gridlock::xyz

@@ -195,10 +195,10 @@ void Reader::read_row(Rows& rows) {
 void Reader::put_inside(Row& row) {
   if (header_.origin.x != 0.0) row.position.x -= header_.origin.x;
   if (header_.origin.y != 0.0) row.position.y -= header_.origin.y;
-  if (!box_.is_periodic()) return;
+  if (!box_.has_images()) return;
   Vector const outside = row.position;
-  row.image_x = folded(row.position.x, box_.width(), row.image_x);
-  row.image_y = folded(row.position.y, box_.height(), row.image_y);
+  if (box_.is_periodic_x()) row.image_x = folded(row.position.x, box_.width(), row.image_x);
+  if (box_.is_periodic_y()) row.image_y = folded(row.position.y, box_.height(), row.image_y);
   if (!(outside.x == row.position.x && outside.y == row.position.y)) ++folded_;
 }
 

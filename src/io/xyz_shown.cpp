@@ -130,7 +130,7 @@ class ShownReader {
   void put_into_box(ShownFrame& frame, std::array<std::vector<double>, 2>& place) const {
     if (!header_.sides) return;
     frame.sides = {header_.sides->width, header_.sides->height};
-    frame.is_periodic = header_.is_periodic[0] && header_.is_periodic[1];
+    frame.is_periodic = header_.is_periodic;
     std::array<double, 2> const origin{header_.origin.x, header_.origin.y};
     for (std::size_t axis = 0; axis < 2; ++axis) {
       for (double& value : place[axis]) {
@@ -196,10 +196,6 @@ class ShownReader {
 
   void add_notes(ShownFrame& frame) const {
     auto const note = [&](std::string text) { frame.notes.push_back(std::move(text)); };
-    if (header_.sides && header_.is_periodic[0] != header_.is_periodic[1]) {
-      note(fmt::format("The box is periodic along {} only: it is shown with walls.",
-                       header_.is_periodic[0] ? "x" : "y"));
-    }
     if (!header_.sides && header_.columns)
       note("The file gives no Lattice: the box is the rectangle around the agents.");
     std::vector<double> const heights = take(Role::z);

@@ -20,14 +20,14 @@ struct ShownFrame {
   std::optional<double> step;
   std::optional<double> time;
   std::optional<std::array<double, 2>> sides;  ///< sides of the box; none if the file has no box
-  bool is_periodic = false;                    ///< whether the box is periodic along both sides
+  std::array<bool, 2> is_periodic{};           ///< along x and along y
   std::vector<double> ids;
   std::vector<ShownColumn> columns;  ///< including x and y
   std::vector<std::string> notes;    ///< sentences about differences between file and picture
 };
 
 /// Reads the first frame of a text to be shown. The rules are those of Reader, but files without a box, boxes of any
-/// height, boxes periodic along one side, and three-dimensional positions, whose z is omitted, are accepted too.
+/// height, and three-dimensional positions, whose z is omitted, are accepted too.
 /// Positions are relative to the lower left corner, and folded through periodic edges. `first_line` is the number of
 /// the first line. Errors: Error if the text is malformed.
 ShownFrame read_shown(TextReader text, int first_line);

@@ -119,7 +119,8 @@ std::string header(FrameSource const& frame, std::vector<PropertyColumns> const&
     names += fmt::format(":{}:{}:{}", property.name, is_real(frame.columns()[property.columns.front()]) ? 'R' : 'I',
                          property.columns.size() + (property.pads ? 1 : 0));
   }
-  std::string_view const pbc = frame.box().is_periodic() ? "T T F" : "F F F";
+  std::string const pbc =
+      fmt::format("{} {} F", frame.box().is_periodic_x() ? 'T' : 'F', frame.box().is_periodic_y() ? 'T' : 'F');
   return fmt::format("{}\nLattice=\"{} 0 0 0 {} 0 0 0 1\" pbc=\"{}\" Properties={} Time={} step={} seed={}\n",
                      frame.size(), double_text(frame.box().width()), double_text(frame.box().height()), pbc, names,
                      double_text(frame.clock().time), frame.clock().step, frame.seed());

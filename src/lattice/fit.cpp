@@ -114,7 +114,79 @@ Rows best_periodic_rows(Box const& box, std::uint64_t count, bool is_turned) {
   return best;
 }
 
+/// Rows of a triangular lattice in a box that is periodic along one axis. Where the rows lie along the periodic axis,
+/// each goes around it; otherwise their number is even.
+class RowsOfChannel {
+ public:
+  RowsOfChannel(Box const& box, bool is_turned)
+      : width_(is_turned ? box.height() : box.width()),
+        height_(is_turned ? box.width() : box.height()),
+        goes_around_(is_turned ? box.is_periodic_y() : box.is_periodic_x()),
+        is_turned_(is_turned) {}
+
+  [[nodiscard]] Rows best(std::uint64_t count) const {
+    Rows best;
+    std::uint64_t const first = goes_around_ ? 1 : 2;
+    for (std::uint64_t m = first; m <= max_rows(Box(width_, height_, Edge::wall), count) + 1; m += first) {
+      std::uint64_t const equal = rounded_up_quotient(count, m);
+      best = better_of(best, with_radius({m, equal, equal, is_turned_}));
+      if (goes_around_) continue;
+      std::uint64_t const alternating = rounded_up_quotient(count + m / 2, m);
+      if (alternating > 1) best = better_of(best, with_radius({m, alternating, alternating - 1, is_turned_}));
+    }
+    return best;
+  }
+
+  /// Returns the spacings that leave `margin` between the outermost sites and the walls.
+  [[nodiscard]] Spacings spacings(Rows const& rows, double margin) const {
+    auto const [a_x, a_y] = stretched(rows, width_, height_, margin);
+    if (goes_around_) return {width_ / static_cast<double>(rows.even_length), a_y};
+    return {a_x, height_ / static_cast<double>(rows.count)};
+  }
+
+ private:
+  [[nodiscard]] Rows with_radius(Rows rows) const {
+    double too_large = 0.5 * std::min(width_, height_);
+    for (int halving = 0; halving < 200; ++halving) {
+      double const radius = 0.5 * (rows.radius + too_large);
+      (contact(rows, radius) >= radius ? rows.radius : too_large) = radius;
+    }
+    return rows;
+  }
+  /// Returns half the smallest distance of two sites, and of a site and its own image.
+  [[nodiscard]] double contact(Rows const& rows, double margin) const {
+    auto const [a_x, a_y] = spacings(rows, margin);
+    double const image = goes_around_ ? a_x : 2.0 * a_y;
+    return std::min(contact_radius(rows, a_x, a_y), 0.5 * image);
+  }
+
+  double width_;
+  double height_;
+  bool goes_around_;
+  bool is_turned_;
+};
+
+LatticeFit::Rows sites_of_channel(Rows const& rows, Box const& box) {
+  bool const goes_around = rows.is_turned ? box.is_periodic_y() : box.is_periodic_x();
+  double const width = rows.is_turned ? box.height() : box.width();
+  double const height = rows.is_turned ? box.width() : box.height();
+  auto const [a_x, a_y] = RowsOfChannel(box, rows.is_turned).spacings(rows, rows.radius);
+  LatticeFit::Rows sites{.even_length = rows.even_length,
+                         .odd_length = rows.odd_length,
+                         .spacing = {a_x, a_y},
+                         .shift_of_odd = 0.5,
+                         .is_turned = rows.is_turned};
+  // A single column or row between walls is in the middle.
+  if (goes_around) {
+    sites.corner = {0.25 * a_x, rows.count > 1 ? rows.radius : 0.5 * height};
+  } else {
+    sites.corner = {rows.extent() > 0.0 ? rows.radius : 0.5 * width, 0.5 * a_y};
+  }
+  return sites;
+}
+
 LatticeFit::Rows sites_of(Rows const& rows, Box const& box) {
+  if (box.edge_x() != box.edge_y()) return sites_of_channel(rows, box);
   double const width = rows.is_turned ? box.height() : box.width();
   double const height = rows.is_turned ? box.width() : box.height();
   LatticeFit::Rows sites{
@@ -170,8 +242,12 @@ LatticeFit fit_square_lattice(Box const& box, std::uint64_t count) {
 }
 
 LatticeFit fit_triangular_lattice(Box const& box, std::uint64_t count) {
-  auto const best_rows = box.is_periodic() ? best_periodic_rows : best_rows_between_walls;
-  Rows const best = better_of(best_rows(box, count, false), best_rows(box, count, true));
+  auto const best_rows = [&](bool is_turned) {
+    if (box.edge_x() != box.edge_y()) return RowsOfChannel(box, is_turned).best(count);
+    return box.is_periodic() ? best_periodic_rows(box, count, is_turned)
+                             : best_rows_between_walls(box, count, is_turned);
+  };
+  Rows const best = better_of(best_rows(false), best_rows(true));
   return make_fit(box, best.radius, best.sites(), sites_of(best, box), count);
 }
 

@@ -16,7 +16,7 @@ namespace gridlock {
 class AllowedCentres {
  public:
   AllowedCentres(Box const& box, double radius)
-      : x_(along(box, box.width(), radius)), y_(along(box, box.height(), radius)) {}
+      : x_(along(box.is_periodic_x(), box.width(), radius)), y_(along(box.is_periodic_y(), box.height(), radius)) {}
 
   /// Returns whether the disk is too large for the box.
   [[nodiscard]] bool are_none() const { return x_.length < 0.0 || y_.length < 0.0; }
@@ -31,8 +31,8 @@ class AllowedCentres {
     double first;
     double length;
   };
-  static Span along(Box const& box, double side, double radius) {
-    return box.is_periodic() ? Span{0.0, side} : Span{radius, side - 2.0 * radius};
+  static Span along(bool is_periodic, double side, double radius) {
+    return is_periodic ? Span{0.0, side} : Span{radius, side - 2.0 * radius};
   }
 
   Span x_;

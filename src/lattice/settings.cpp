@@ -18,6 +18,14 @@ void describe(BoxSettings& settings, SettingVisitor& visitor) {
   visit_enum(visitor,
              {.key = "edge", .documentation = "What a disk meets at the border: a hard wall, or the other side."},
              edges, settings.edge);
+  static constexpr std::array<std::string_view, 3> edges_of_axis{"same", "wall", "periodic"};
+  visit_enum(visitor,
+             {.key = "edge_x",
+              .documentation = "Left and right border: same as box.edge, or other: periodic with walls for y is a "
+                               "channel."},
+             edges_of_axis, settings.edge_x);
+  visit_enum(visitor, {.key = "edge_y", .documentation = "Lower and upper border: same as box.edge, or other."},
+             edges_of_axis, settings.edge_y);
   visitor.visit({.key = "side",
                  .unit = "length",
                  .documentation = "Side of a square box.",

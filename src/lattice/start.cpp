@@ -254,8 +254,22 @@ StartOfDisks::SiteOf uniform_sites(Box const& box, DisksSettings const& settings
 
 }  // namespace
 
+namespace {
+
+Edge edge_of_axis(AxisEdge axis, Edge edge) {
+  if (axis == AxisEdge::same) return edge;
+  return axis == AxisEdge::wall ? Edge::wall : Edge::periodic;
+}
+
+}  // namespace
+
+Edge edge_x_of(BoxSettings const& settings) { return edge_of_axis(settings.edge_x, settings.edge); }
+Edge edge_y_of(BoxSettings const& settings) { return edge_of_axis(settings.edge_y, settings.edge); }
+AxisEdge axis_edge_of(Edge edge) { return edge == Edge::wall ? AxisEdge::wall : AxisEdge::periodic; }
+
 Box make_box(BoxSettings const& settings) {
-  Box const box(settings.width.value_or(settings.side), settings.height.value_or(settings.side), settings.edge);
+  Box const box(settings.width.value_or(settings.side), settings.height.value_or(settings.side), edge_x_of(settings),
+                edge_y_of(settings));
   if (auto problem = find_extreme_sides(box)) throw Error(*std::move(problem));
   return box;
 }
@@ -349,7 +363,7 @@ double expected_attempts(Box const& whole_box, DisksSettings const& settings, st
   InsertionTrial const trial(box, settings, count, seed);
   // A part of the box that has as many disks as the trial.
   double const side = std::sqrt(static_cast<double>(trial.kinds().count()) / static_cast<double>(count));
-  Box const part(side * box.width(), side * box.height(), box.edge());
+  Box const part(side * box.width(), side * box.height(), box.edge_x(), box.edge_y());
   double const packing_fraction =
       packing_fraction_for(wanted_radius(settings, part, trial.kinds()), part, trial.kinds());
   if (!trial.is_sample() || !trial.is_representative() || packing_fraction <= always_reached) return 0.0;
@@ -398,7 +412,7 @@ void draw_velocities(State& state, VelocitySettings const& settings, AllProcesse
     vy[i] = v.y;
   }
   bool const is_automatic =
-      settings.drift == Drift::automatic && state.box.is_periodic() && processes.sum(state.agents.size()) > 1;
+      settings.drift == Drift::automatic && state.box.has_images() && processes.sum(state.agents.size()) > 1;
   if (settings.drift != Drift::remove && !is_automatic) return;
   if (processes.sum(count_of_fixed(state.agents)) > 0) return;  // fixed disks stop the drift
   auto const sums = processes.change_in_order(DriftSums{}, [&](DriftSums& so_far) {
@@ -409,8 +423,14 @@ void draw_velocities(State& state, VelocitySettings const& settings, AllProcesse
     }
   });
   Vector const drift = (1.0 / sums.mass) * sums.momentum;
-  for (double& v : vx) v -= drift.x;
-  for (double& v : vy) v -= drift.y;
+  // Walls reflect a drift, so that only one along a periodic axis stays.
+  bool const removes_all = settings.drift == Drift::remove;
+  if (removes_all || state.box.is_periodic_x()) {
+    for (double& v : vx) v -= drift.x;
+  }
+  if (removes_all || state.box.is_periodic_y()) {
+    for (double& v : vy) v -= drift.y;
+  }
 }
 
 }  // namespace gridlock

@@ -16,8 +16,8 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model) 
                  .hint = "check the lengths among its settings",
                  .key = std::string(model)});
   }
-  double const shorter = std::min(box.width(), box.height());
-  if (!box.is_periodic() || 2.0 * cutoff <= shorter) return;
+  double const shorter = box.shortest_period();
+  if (2.0 * cutoff <= shorter) return;
   throw Error({.what = fmt::format("the cutoff of the model {}, {:.6g}, is more than half a side of the periodic box, "
                                    "{:.6g}: an agent could meet two images of another",
                                    model, cutoff, shorter),

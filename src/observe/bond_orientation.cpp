@@ -22,8 +22,7 @@ double magnitude(std::complex<double> z) { return std::sqrt(z.real() * z.real() 
 double neighbour_distance(Box const& box, std::size_t agents) {
   double const density = static_cast<double>(agents) / box.area();
   double const cutoff = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
-  if (!box.is_periodic()) return cutoff;
-  return std::min(cutoff, 0.5 * std::min(box.width(), box.height()));
+  return std::min(cutoff, 0.5 * box.shortest_period());
 }
 
 /// Sums of exp(6 i θ) for each agent, as whole numbers, so that N terms can be added in any order without rounding or

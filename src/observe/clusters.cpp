@@ -56,7 +56,7 @@ std::vector<std::uint32_t> numbers_of(RowSets& sets, std::size_t count) {
 /// Calls visit(i, j, separation) for all pairs nearer than the cutoff, and for some others.
 template <class Visit>
 void visit_pairs(Box const& box, std::span<double const> x, std::span<double const> y, double cutoff, Visit visit) {
-  bool const is_small = box.is_periodic() && cutoff > 0.5 * std::min(box.width(), box.height());
+  bool const is_small = cutoff > 0.5 * box.shortest_period();
   if (!is_small) {
     LocalPoints(box, x, y, cutoff, Communicator::alone(), x.size()).for_each_pair(visit);
     return;

@@ -63,7 +63,7 @@ void DensityProfile::sample(Snapshot const& now, std::span<double> /*row*/, bool
   double const side = axis_ == Axis::x ? box.width() : box.height();
   Strips const strips{.width = side / static_cast<double>(bins_),
                       .count = static_cast<std::int64_t>(bins_),
-                      .is_periodic = box.is_periodic()};
+                      .is_periodic = axis_ == Axis::x ? box.is_periodic_x() : box.is_periodic_y()};
   auto const position = axis_ == Axis::x ? now.agents.column<X>() : now.agents.column<Y>();
   MobileAgents const mobile(now.agents);
   std::vector<std::uint64_t> counts(bins_, 0);

@@ -16,9 +16,11 @@ std::vector<ColumnInfo> Displacement::columns() const {
 }
 
 Requirements Displacement::requirements(Box const& box) const {
-  if (!box.is_periodic()) return {.columns = {X::name, Y::name}};
+  Requirements required{.columns = {X::name, Y::name}};
   // Without image columns it is unknown how often an agent has crossed the box.
-  return {.columns = {X::name, Y::name, ImageX::name, ImageY::name}};
+  if (box.is_periodic_x()) required.columns.push_back(ImageX::name);
+  if (box.is_periodic_y()) required.columns.push_back(ImageY::name);
+  return required;
 }
 
 void Displacement::begin(Snapshot const& start) {

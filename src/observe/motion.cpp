@@ -23,7 +23,7 @@ MeasuredMotion measure(Snapshot const& now) {
   auto const twice_energy = [&](std::size_t i) {
     return std::isinf(mass[i]) ? 0.0 : mass[i] * squared_length({velocity_x[i], velocity_y[i]});
   };
-  if (!now.box.is_periodic() || fixed[0] > 0) {
+  if (!now.box.has_images() || fixed[0] > 0) {
     double const energy = 0.5 * now.sum(twice_energy);
     return {energy, temperature_between_walls(moving, energy), moving};
   }
@@ -31,7 +31,7 @@ MeasuredMotion measure(Snapshot const& now) {
     return std::array{twice_energy(i), mass[i] * velocity_x[i], mass[i] * velocity_y[i], mass[i]};
   });
   double const energy = 0.5 * energies;
-  return {energy, periodic_temperature(moving, energy, {momentum_x, momentum_y}, all_mass), moving};
+  return {energy, temperature_without_drift(now.box, moving, energy, {momentum_x, momentum_y}, all_mass), moving};
 }
 
 MeasuredMotion const& motion_of(Snapshot const& now) {

@@ -27,9 +27,10 @@ std::optional<Box> domain_of_centres(Snapshot const& now) {
   if (now.count() == 0) return std::nullopt;
   if (box.is_periodic() || !now.agents.has<Radius>()) return box;
   double const margin = 2.0 * mean_radius(now);
-  double const width = box.width() - margin;
-  double const height = box.height() - margin;
-  return width > 0.0 && height > 0.0 ? std::optional(Box(width, height, Edge::wall)) : std::nullopt;
+  double const width = box.is_periodic_x() ? box.width() : box.width() - margin;
+  double const height = box.is_periodic_y() ? box.height() : box.height() - margin;
+  if (!(width > 0.0 && height > 0.0)) return std::nullopt;
+  return Box(width, height, box.edge_x(), box.edge_y());
 }
 
 }  // namespace
@@ -38,6 +39,11 @@ double probability_of_nearer_points(Box const& box, double r) {
   double const area = box.area();
   double const disk = std::numbers::pi * r * r;
   if (box.is_periodic()) return disk / area;
+  if (box.has_images()) {
+    // Across the walls, two points of a channel of height H differ by y with the density (1 − |y|/H)/H.
+    double const height = box.is_periodic_x() ? box.height() : box.width();
+    return (disk * height - (4.0 / 3.0) * r * r * r) / (area * height);
+  }
   double const sides = box.width() + box.height();
   return (disk * area - (4.0 / 3.0) * sides * r * r * r + 0.5 * r * r * r * r) / (area * area);
 }

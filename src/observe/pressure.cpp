@@ -17,13 +17,20 @@ constexpr std::size_t all_walls_column = 2;
 constexpr std::size_t first_wall_column = 3;
 constexpr std::array<char const*, 4> wall_names{"left", "right", "bottom", "top"};
 
+bool is_upright(std::size_t wall) { return wall == Counters::left || wall == Counters::right; }
+bool has_wall(Box const& box, std::size_t wall) {
+  return is_upright(wall) ? !box.is_periodic_x() : !box.is_periodic_y();
+}
+
 std::vector<ColumnInfo> columns_for(Box const& box) {
   std::vector<ColumnInfo> columns{
       {"virial_pressure", "mass / time²", "Pressure from kinetic energy and pair impulses, over the whole area."},
       {"compressibility_factor", "", "Z = virial pressure · area / (N kT)."}};
   if (box.is_periodic()) return columns;
-  columns.push_back({"wall_pressure", "mass / time²", "Impulse per time and length on all four walls."});
-  for (std::string const name : wall_names) {
+  columns.push_back({"wall_pressure", "mass / time²", "Impulse per time and length on all walls."});
+  for (std::size_t wall = 0; wall < wall_names.size(); ++wall) {
+    std::string const name = wall_names[wall];
+    if (!has_wall(box, wall)) continue;
     columns.push_back(
         {"wall_pressure_" + name, "mass / time²", "Impulse per time and length on the " + name + " wall."});
   }
@@ -33,7 +40,7 @@ std::vector<ColumnInfo> columns_for(Box const& box) {
 }  // namespace
 
 void Pressure::begin(Snapshot const& start) {
-  has_walls_ = !start.box.is_periodic();
+  has_walls_ = start.box.has_walls();
   reset(columns_for(start.box));
   last_ = start.counters;
   last_time_ = start.clock.time;
@@ -61,12 +68,13 @@ void Pressure::sample(Snapshot const& now, std::span<double> row, bool counts_fo
     if (thermal > 0.0) set(compressibility_column, 1.0 + 0.5 * virial / (thermal * duration), thermal * duration);
   }
   if (!has_walls_) return;
-  double const perimeter = 2.0 * (box.width() + box.height());
-  set(all_walls_column, (impulse[0] + impulse[1] + impulse[2] + impulse[3]) / (duration * perimeter), duration);
+  double const walls = 2.0 * ((box.is_periodic_y() ? 0.0 : box.width()) + (box.is_periodic_x() ? 0.0 : box.height()));
+  set(all_walls_column, (impulse[0] + impulse[1] + impulse[2] + impulse[3]) / (duration * walls), duration);
+  std::size_t column = first_wall_column;
   for (std::size_t wall = 0; wall < 4; ++wall) {
-    bool const is_upright = wall == Counters::left || wall == Counters::right;
-    double const length = is_upright ? box.height() : box.width();
-    set(first_wall_column + wall, impulse[wall] / (duration * length), duration);
+    if (!has_wall(box, wall)) continue;
+    double const length = is_upright(wall) ? box.height() : box.width();
+    set(column++, impulse[wall] / (duration * length), duration);
   }
 }
 

@@ -16,7 +16,7 @@ constexpr std::size_t wall_column = 3;
 }  // namespace
 
 void Rates::begin(Snapshot const& start) {
-  has_walls_ = !start.box.is_periodic();
+  has_walls_ = start.box.has_walls();
   std::vector<ColumnInfo> columns{
       {"collision_rate", "1 / time", "Pair collisions per disk and time, each counted for both partners."},
       {"mean_free_time", "time", "Mean time between two pair collisions of a disk."},

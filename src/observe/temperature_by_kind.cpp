@@ -144,12 +144,12 @@ void TemperatureByKind::sample(Snapshot const& now, std::span<double> row, bool 
   }
   now.sum(of_all);
   for (std::size_t s = 0; s < of_all.size(); ++s) motion[s / motion_sums][s % motion_sums] = of_all[s].value();
-  bool const keeps_momentum = now.box.is_periodic() && !has_fixed_;
+  bool const keeps_x = now.box.is_periodic_x() && !has_fixed_;
+  bool const keeps_y = now.box.is_periodic_y() && !has_fixed_;
   for (std::size_t kind = 0; kind <= kinds_; ++kind) {
-    row[2 * kind] =
-        temperature_along(keeps_momentum, motion[kind], motion[0], of_momentum_x, of_energy_x).value_or(no_value);
+    row[2 * kind] = temperature_along(keeps_x, motion[kind], motion[0], of_momentum_x, of_energy_x).value_or(no_value);
     row[2 * kind + 1] =
-        temperature_along(keeps_momentum, motion[kind], motion[0], of_momentum_y, of_energy_y).value_or(no_value);
+        temperature_along(keeps_y, motion[kind], motion[0], of_momentum_y, of_energy_y).value_or(no_value);
   }
   if (!counts_for_average) return;
   for (std::size_t column = 0; column < row.size(); ++column) {

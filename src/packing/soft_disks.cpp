@@ -115,7 +115,15 @@ double pressure_of(std::span<Contact const> contacts, Potential potential, Box c
   return virial / (2.0 * box.area());
 }
 
+void require_equal_edges(Box const& box) {
+  if (box.edge_x() == box.edge_y()) return;
+  throw Error({.what = fmt::format("soft disks and contacts in a box that is {}", edges_in_words(box)),
+               .hint = "they need walls on all four sides, or periodic edges in x and y: box.edge",
+               .key = "box"});
+}
+
 void require_valid(Packing const& packing) {
+  require_equal_edges(packing.box);
   std::size_t const disks = packing.size();
   if (packing.y.size() != disks || packing.radius.size() != disks) {
     throw Error(

@@ -87,8 +87,9 @@ Domain::Domain(Communicator& processes, CellLayout const& cells, std::vector<Cel
       seen_.emplace_back();
     } else {
       seen_.push_back(
-          {.columns = range_of(rectangle.first_column, rectangle.end_column, rim_.columns, cells_.columns()),
-           .rows = range_of(rectangle.first_row, rectangle.end_row, rim_.rows, cells_.rows())});
+          {.columns = range_of(rectangle.first_column, rectangle.end_column, rim_.columns, cells_.columns(),
+                               cells_.is_periodic_x()),
+           .rows = range_of(rectangle.first_row, rectangle.end_row, rim_.rows, cells_.rows(), cells_.is_periodic_y())});
     }
   }
   find_neighbours();
@@ -96,13 +97,12 @@ Domain::Domain(Communicator& processes, CellLayout const& cells, std::vector<Cel
   find_owners();
 }
 
-Domain::Range Domain::range_of(int first, int end, double margin, int all) const {
+Domain::Range Domain::range_of(int first, int end, double margin, int all, bool is_periodic) {
   double const begin = first - margin;
   double const length = end - first + 2.0 * margin;
-  if (!cells_.is_periodic() || length >= all) {
+  if (!is_periodic || length >= all) {
     // Between walls a rim may end outside the box, where there are no points.
-    bool const has_all = cells_.is_periodic();
-    return {.first = has_all ? -1.0 : begin, .length = has_all ? all + 2.0 : length, .all = 0.0};
+    return {.first = is_periodic ? -1.0 : begin, .length = is_periodic ? all + 2.0 : length, .all = 0.0};
   }
   return {.first = begin, .length = length, .all = static_cast<double>(all)};
 }
@@ -139,13 +139,15 @@ void Domain::find_neighbours() {
 void Domain::find_inside() {
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   // A process with a whole side shares it with no other, and there are no points behind a wall.
-  auto const shrink = [&](int first, int end, int all, double margin, double& from, double& to) {
+  auto const shrink = [](int first, int end, int all, bool is_periodic, double margin, double& from, double& to) {
     bool const has_all = first == 0 && end == all;
-    from = has_all || (first == 0 && !cells_.is_periodic()) ? -everywhere : first + margin;
-    to = has_all || (end == all && !cells_.is_periodic()) ? everywhere : end - margin;
+    from = has_all || (first == 0 && !is_periodic) ? -everywhere : first + margin;
+    to = has_all || (end == all && !is_periodic) ? everywhere : end - margin;
   };
-  shrink(own_.first_column, own_.end_column, cells_.columns(), rim_.columns, inside_.first_column, inside_.end_column);
-  shrink(own_.first_row, own_.end_row, cells_.rows(), rim_.rows, inside_.first_row, inside_.end_row);
+  shrink(own_.first_column, own_.end_column, cells_.columns(), cells_.is_periodic_x(), rim_.columns,
+         inside_.first_column, inside_.end_column);
+  shrink(own_.first_row, own_.end_row, cells_.rows(), cells_.is_periodic_y(), rim_.rows, inside_.first_row,
+         inside_.end_row);
 }
 
 void Domain::find_owners() {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/soft_disks.hpp"
 #include "protocol/stage.hpp"
 
 namespace gridlock {
@@ -110,6 +111,9 @@ void take_over_jamming_packing_fraction(StageResult const& before, StageResult& 
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
   require_valid(settings_.stages, packing_fraction_of(start));
+  for (StageSettings const& stage : settings_.stages) {
+    if (stage_record(stage.kind).has_soft_disks) require_equal_edges(start.box);
+  }
   // This call only refuses a stage that cannot begin; the stage itself begins later, with the disks as they are then.
   if (settings_.stages.empty()) return;
   StageRecord const& record = stage_record(settings_.stages.front().kind);

@@ -191,6 +191,7 @@ StageRecord ramp_stage(std::string_view name, std::vector<std::string_view> sett
           .settings = std::move(settings),
           .ends = {"until_packing_fraction", "until_pressure"},
           .leaves_overlaps = true,
+          .has_soft_disks = true,
           .check = check_ramp,
           .packing_fraction_after = packing_fraction_at_end,
           .make = make_stage<RampStage>};
@@ -232,6 +233,7 @@ StageRecord quench_stage() {
   return {.name = "quench",
           .settings = {"packing_fraction"},
           .leaves_overlaps = true,
+          .has_soft_disks = true,
           .may_end_without_pressure = true,
           .check = check_soft_pressure,
           .packing_fraction_after =
@@ -253,6 +255,7 @@ StageRecord decompress_stage() {
 StageRecord separate_stage() {
   return {.name = "separate",
           .documentation = "shrinks them until none overlap",
+          .has_soft_disks = true,
           .packing_fraction_after = [](StageSettings const&, std::optional<double>) { return std::optional<double>(); },
           .make = make_stage<SeparateStage>};
 }

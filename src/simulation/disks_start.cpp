@@ -37,8 +37,8 @@ bool keep_apart(State const& state, std::size_t i, std::size_t j) {
   Vector const v = velocity(state.agents, i);
   Vector const w = velocity(state.agents, j);
   // With walls, equal velocities do not stay equal, since one disk reaches the wall first.
-  bool const is_fixed_in_x = v.x == w.x && (state.box.is_periodic() || v.x == 0.0);
-  bool const is_fixed_in_y = v.y == w.y && (state.box.is_periodic() || v.y == 0.0);
+  bool const is_fixed_in_x = v.x == w.x && (state.box.is_periodic_x() || v.x == 0.0);
+  bool const is_fixed_in_y = v.y == w.y && (state.box.is_periodic_y() || v.y == 0.0);
   return (is_fixed_in_x && is_fixed_in_y) || (is_fixed_in_x && std::abs(d.x) >= contact) ||
          (is_fixed_in_y && std::abs(d.y) >= contact);
 }

@@ -21,11 +21,13 @@ double patience_for(State const& own, AllProcesses processes) {
   DisksOverview const all = overview_of_all(agents, processes);
   auto const disks = static_cast<double>(all.count);
   Vector mean{};
-  if (own.box.is_periodic()) {
+  if (own.box.has_images()) {
     Sums const sums = processes.change_in_order(Sums{}, [&](Sums& so_far) {
       for (std::size_t i = 0; i < agents.size(); ++i) so_far.velocity = so_far.velocity + velocity(agents, i);
     });
     mean = (1.0 / disks) * sums.velocity;
+    if (!own.box.is_periodic_x()) mean.x = 0.0;
+    if (!own.box.is_periodic_y()) mean.y = 0.0;
   }
   Sums const sums = processes.change_in_order(Sums{}, [&](Sums& so_far) {
     for (std::size_t i = 0; i < agents.size(); ++i) so_far.squares += squared_length(velocity(agents, i) - mean);

@@ -26,7 +26,7 @@ constexpr std::size_t rows_of_piece = std::size_t{1} << 15;
 /// The header of a start file, as a message to all processes.
 struct FileHead {
   double width, height;
-  std::uint64_t is_periodic;
+  std::uint64_t edges;  ///< see number_of_edges()
   Clock clock;
   std::uint64_t count;         ///< number of rows
   std::uint64_t likely_count;  ///< rows to reserve memory for, even if `count` is damaged
@@ -39,7 +39,7 @@ FileHead head_of(xyz::Reader const& reader) {
   auto const number = [](bool is_true) { return is_true ? std::uint64_t{1} : 0; };
   return {.width = box.width(),
           .height = box.height(),
-          .is_periodic = number(box.is_periodic()),
+          .edges = number_of_edges(box),
           .clock = clock_of(reader.header()),
           .count = reader.count(),
           .likely_count = reader.likely_count(),
@@ -112,7 +112,7 @@ class PartOfStart {
   }
 
   RowsOfFile finish() {
-    Box const box(head_.width, head_.height, head_.is_periodic != 0 ? Edge::periodic : Edge::wall);
+    Box const box = box_with_edges(head_.width, head_.height, head_.edges);
     RowsOfFile file{.own = {.box = box, .agents = disks_of(disks_), .clock = head_.clock}};
     file.has_velocities = head_.has_velocities != 0;
     disks_ = std::vector<DiskRow>();

@@ -31,11 +31,16 @@ void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
     throw contradiction("box", fmt::format("the box of the start file is {} × {}, not {} × {}", box.width(),
                                            box.height(), width, height));
   }
-  if (is_given("box.edge") && settings.edge != box.edge()) {
-    throw contradiction("box.edge",
-                        fmt::format("the start file has {} edges", box.is_periodic() ? "periodic" : "wall"));
-  }
-  settings = {.edge = box.edge(), .side = box.width()};
+  auto const require_edge = [&](char const* key, char axis, Edge asked, Edge found) {
+    if (!(is_given("box.edge") || is_given(key)) || asked == found) return;
+    throw contradiction(
+        is_given(key) ? key : "box.edge",
+        fmt::format("the start file has {} along {}", found == Edge::wall ? "walls" : "periodic edges", axis));
+  };
+  require_edge("box.edge_x", 'x', edge_x_of(settings), box.edge_x());
+  require_edge("box.edge_y", 'y', edge_y_of(settings), box.edge_y());
+  settings = {.edge = box.edge_x(), .side = box.width()};
+  if (box.edge_y() != box.edge_x()) settings.edge_y = axis_edge_of(box.edge_y());
   if (box.width() != box.height()) {
     settings.width = box.width();
     settings.height = box.height();

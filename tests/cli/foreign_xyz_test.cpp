@@ -80,7 +80,8 @@ TEST(ForeignXyz, AStartAroundTheOriginOrAtTheFarEdgeRunsInAPeriodicBoxAndIsRefus
     EXPECT_EQ(outside.exit_code, 2) << row;
     EXPECT_NE(outside.err.find("start.xyz"), std::string::npos) << outside.err;
   }
-  EXPECT_NE(run("T F F", "0.5 0.5 0.1 1 0").err.find("two sides only"), std::string::npos);
+  EXPECT_EQ(run("T F F", "-0.25 0.5 0.1 1 0").exit_code, 0) << "periodic along x";
+  EXPECT_EQ(run("T F F", "0.5 -0.25 0.1 1 0").exit_code, 2) << "between walls along y";
 }
 
 TEST(ForeignXyz, AFrameOfOurOwnExportIsChosenByItsNumber) {

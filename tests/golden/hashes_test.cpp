@@ -68,8 +68,10 @@ struct Row {
 
 std::vector<Row> rows() {
   std::vector<Row> all;
-  for (Scene const& scene : scenes()) {
-    for (std::string const& engine : engine_kinds()) all.push_back({scene, engine});
+  for (std::vector<Scene> const& some : {scenes(), golden::scenes_of_channels()}) {
+    for (Scene const& scene : some) {
+      for (std::string const& engine : engine_kinds()) all.push_back({scene, engine});
+    }
   }
   for (Scene const& scene : golden::scenes_of_exact()) all.push_back({scene, "exact"});
   for (Scene const& scene : golden::scenes_of_active_disks()) {

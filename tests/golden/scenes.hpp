@@ -68,6 +68,29 @@ inline std::vector<Scene> scenes() {
   };
 }
 
+/// Scenes in boxes that are periodic along one axis.
+inline std::vector<Scene> scenes_of_channels() {
+  Box const channel(1.4, 0.9, Edge::periodic, Edge::wall);
+  return {
+      {.name = "channel",
+       .box = channel,
+       .disks = {.count = 200,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
+       .velocities = {.kind = VelocityKind::maxwell}},
+      // Enough disks for threads to share, and for many tiles.
+      {.name = "channel_crowd",
+       .box = channel,
+       .disks = {.count = 10'000, .packing_fraction = 0.6, .start = StartKind::triangular},
+       .time = 0.05},
+      {.name = "upright_channel",
+       .box = Box(0.9, 1.4, Edge::wall, Edge::periodic),
+       .disks = {.count = 6'000, .packing_fraction = 0.5, .start = StartKind::triangular},
+       .time = 0.05},
+  };
+}
+
 /// Scenes of what the engine exact alone has: thermostats and grains.
 inline std::vector<Scene> scenes_of_exact() {
   ThermostatSettings const brownian{.kind = ThermostatKind::brownian, .temperature = 0.5, .interval = 0.004};

@@ -57,6 +57,14 @@ std::vector<ExactCase> exact_cases() {
     periodic.name += "_periodic";
     periodic.scene.edge = Edge::periodic;
     cases.push_back(periodic);
+    ExactCase along_x = periodic;
+    along_x.name = cases[k].name + "_periodic_in_x";
+    along_x.scene.edge_y = Edge::wall;
+    cases.push_back(along_x);
+    ExactCase along_y = cases[k];
+    along_y.name += "_periodic_in_y";
+    along_y.scene.edge_y = Edge::periodic;
+    cases.push_back(along_y);
   }
   return cases;
 }

@@ -28,7 +28,8 @@ std::vector<std::uint32_t> found_by(FindNeighbours kernel, RowSearch const& sear
 RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEightAtATime, ()) {
   auto const count = *rc::gen::inRange<std::size_t>(1, 80);
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
-  Box const box(2.0, 3.0, *rc::gen::element(Edge::wall, Edge::periodic));
+  auto const edge = rc::gen::element(Edge::wall, Edge::periodic);
+  Box const box(2.0, 3.0, *edge, *edge);
   std::vector<double> x(count);
   std::vector<double> y(count);
   for (std::size_t row = 0; row < count; ++row) {

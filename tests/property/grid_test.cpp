@@ -19,7 +19,10 @@ namespace {
 
 double between(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 10001) / 10000.0); }
 
-Box any_box() { return {between(0.2, 3.0), between(0.2, 3.0), *rc::gen::element(Edge::wall, Edge::periodic)}; }
+Box any_box() {
+  auto const edge = rc::gen::element(Edge::wall, Edge::periodic);
+  return {between(0.2, 3.0), between(0.2, 3.0), *edge, *edge};
+}
 
 std::uint64_t any_cells() { return static_cast<std::uint64_t>(*rc::gen::inRange(1, 8)); }
 
@@ -30,15 +33,15 @@ State any_points(Box const& box) {
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
   int const count = *rc::gen::inRange(0, 60);
   bool const are_inside = *rc::gen::arbitrary<bool>();
-  auto const coordinate = [&](double side) {
+  auto const coordinate = [&](double side, bool is_periodic) {
     double const twelfths = static_cast<double>(random.below(13)) / 12.0 * side;
     double const p = random.below(3) == 0 ? twelfths : random.uniform() * side;
-    if (!box.is_periodic()) return p;
+    if (!is_periodic) return p;
     return are_inside ? (p >= side ? 0.0 : p) : p + (0.5 * static_cast<double>(random.below(9)) - 2.5) * side;
   };
   for (int n = 0; n < count; ++n) {
-    double const x = coordinate(box.width());
-    double const y = coordinate(box.height());
+    double const x = coordinate(box.width(), box.is_periodic_x());
+    double const y = coordinate(box.height(), box.is_periodic_y());
     state.agents.add(x, y, 0.0, 0.0, 0.02 + 0.1 * random.uniform(), 1.0, 0, 0);
   }
   return state;

@@ -62,6 +62,10 @@ std::vector<GrowthCase> growth_cases() {
     periodic.name += "_periodic";
     periodic.scene.edge = Edge::periodic;
     cases.push_back(periodic);
+    GrowthCase along_x = periodic;
+    along_x.name = cases[k].name + "_periodic_in_x";
+    along_x.scene.edge_y = Edge::wall;
+    cases.push_back(along_x);
   }
   return cases;
 }

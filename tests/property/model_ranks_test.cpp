@@ -46,7 +46,8 @@ System any_system(std::uint64_t seed) {
     return all[random.below(all.size())];
   };
   System system{.model = {},
-                .box = Box(one_of(1.0, 0.3, 3.0), one_of(1.0, 0.25, 2.0), one_of(Edge::wall, Edge::periodic)),
+                .box = Box(one_of(1.0, 0.3, 3.0), one_of(1.0, 0.25, 2.0), one_of(Edge::wall, Edge::periodic),
+                           one_of(Edge::wall, Edge::periodic)),
                 .seed = seed};
   Wanderers& model = system.model;
   double const shorter = std::min(system.box.width(), system.box.height());

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,7 @@ namespace {
 
 struct Case {
   Edge edge = Edge::periodic;
+  std::optional<Edge> edge_y = {};
   std::size_t count = 0;
   double width = 1.0;
   double height = 1.0;
@@ -52,6 +54,8 @@ std::vector<Case> cases() {
       }
     }
     all.push_back({.edge = edge, .count = 900, .width = 9.0, .height = 0.5, .seed = ++seed});
+    Edge const other = edge == Edge::wall ? Edge::periodic : Edge::wall;
+    all.push_back({.edge = edge, .edge_y = other, .count = 700, .width = 2.0, .is_mixture = true, .seed = 1000 + seed});
     all.push_back({.edge = edge, .count = 900, .width = 0.5, .height = 9.0, .is_mixture = true, .seed = ++seed});
     all.push_back({.edge = edge, .count = 900, .crowd = 0.2, .seed = ++seed});
     all.push_back({.edge = edge, .count = 7000, .is_mixture = true, .seed = ++seed});
@@ -59,14 +63,16 @@ std::vector<Case> cases() {
   return all;
 }
 
+Box box_of(Case const& c) { return {c.width, c.height, c.edge, c.edge_y.value_or(c.edge)}; }
+
 std::string name_of(Case const& c) {
-  return std::to_string(c.count) + (c.edge == Edge::wall ? " between walls of " : " in a periodic box of ") +
+  return std::to_string(c.count) + " in a box, " + std::string(edges_in_words(box_of(c))) + ", of " +
          std::to_string(c.width) + " × " + std::to_string(c.height) + (c.is_mixture ? ", a mixture" : "");
 }
 
 /// Disks anywhere, also on one another, with velocities of many magnitudes; in a mixture hardly two are alike.
 State start_of(Case const& c) {
-  State state{.box = Box(c.width, c.height, c.edge), .agents = {}, .clock = {}, .seed = c.seed};
+  State state{.box = box_of(c), .agents = {}, .clock = {}, .seed = c.seed};
   double const radius = 0.3 * std::sqrt(c.width * c.height / (1.0 + static_cast<double>(c.count)));
   for (std::size_t i = 0; i < c.count; ++i) {
     RandomStream random(c.seed, 0, i, Purpose::start_position);
@@ -87,9 +93,9 @@ void fly(State& state, double time) {
   Box const& box = state.box;
   Disks& d = state.agents;
   for (std::size_t i = 0; i < d.size(); ++i) {
-    auto const fly_along = [&](double& p, double& v, std::int32_t& image, double side) {
+    auto const fly_along = [&](double& p, double& v, std::int32_t& image, double side, bool is_periodic) {
       p += time * v;
-      if (!box.is_periodic()) {
+      if (!is_periodic) {
         p = std::clamp(p, 0.0, side);
         if (p == 0.0 || p == side) v = -v;
         return;
@@ -97,8 +103,8 @@ void fly(State& state, double time) {
       while (p < 0.0) p += side, --image;
       while (p >= side) p -= side, ++image;
     };
-    fly_along(d.column<X>()[i], d.column<VelocityX>()[i], d.column<ImageX>()[i], box.width());
-    fly_along(d.column<Y>()[i], d.column<VelocityY>()[i], d.column<ImageY>()[i], box.height());
+    fly_along(d.column<X>()[i], d.column<VelocityX>()[i], d.column<ImageX>()[i], box.width(), box.is_periodic_x());
+    fly_along(d.column<Y>()[i], d.column<VelocityY>()[i], d.column<ImageY>()[i], box.height(), box.is_periodic_y());
     double& x = d.column<VelocityX>()[i];
     double& y = d.column<VelocityY>()[i];
     x = 0.8 * x - 0.6 * y;

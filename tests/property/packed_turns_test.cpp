@@ -46,6 +46,7 @@ PackedSystem any_packed_system(std::uint64_t seed) {
               .contact = random.below(2) == 0 ? CollisionRule::always : CollisionRule::approaching};
   s.engine.cells = 1 + random.below(20);
   s.fastest = random.below(3) == 0 ? 8.0 : 1.0;
+  if (random.below(2) == 0) s.scene.edge_y = random.below(2) == 0 ? Edge::wall : Edge::periodic;
   return s;
 }
 
@@ -157,9 +158,9 @@ CellLayout half_as_many(Box const& box, CellLayout const& layout) {
 /// Rows, in any order, that have no common neighbour with an earlier one.
 std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomStream& random) {
   CellLayout const& layout = hot.grid.layout();
-  auto const are_apart = [&](int a, int b, int cells) {
+  auto const are_apart = [](int a, int b, int cells, bool is_periodic) {
     int const between = std::abs(a - b);
-    return between > 2 && (!layout.is_periodic() || cells - between > 2);
+    return between > 2 && (!is_periodic || cells - between > 2);
   };
   std::vector<std::uint32_t> rows;
   for (int trial = 0; trial < 60 && rows.size() < most; ++trial) {
@@ -167,7 +168,8 @@ std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomSt
     PackedGrid::Block const& home = hot.grid.block_of(i);
     bool const is_apart = std::ranges::all_of(rows, [&](std::uint32_t j) {
       PackedGrid::Block const& other = hot.grid.block_of(j);
-      return are_apart(home.column, other.column, layout.columns()) || are_apart(home.row, other.row, layout.rows());
+      return are_apart(home.column, other.column, layout.columns(), layout.is_periodic_x()) ||
+             are_apart(home.row, other.row, layout.rows(), layout.is_periodic_y());
     });
     if (is_apart) rows.push_back(i);
   }

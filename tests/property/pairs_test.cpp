@@ -64,11 +64,12 @@ Separations pairs_by_neighbours(State const& state, Grid const& grid, double cut
 class Scene {
  public:
   explicit Scene(std::uint64_t seed) : random_(seed, 0, 0, Purpose::start_position) {
-    Edge const edge = random_.below(2) == 0 ? Edge::wall : Edge::periodic;
+    Edge const edge_x = random_.below(2) == 0 ? Edge::wall : Edge::periodic;
+    Edge const edge_y = random_.below(2) == 0 ? Edge::wall : Edge::periodic;
     // From a square to a strip; units from tiny to huge.
     double const unit = std::array{1e-12, 1.0, 1e9}[random_.below(3)];
     double const flat = random_.below(4) == 0 ? 0.01 : 1.0;
-    state_.box = Box(unit * (0.2 + random_.uniform()), flat * unit * (0.2 + random_.uniform()), edge);
+    state_.box = Box(unit * (0.2 + random_.uniform()), flat * unit * (0.2 + random_.uniform()), edge_x, edge_y);
     cluster_ = random_.below(3) == 0 ? 0.1 : 1.0;
     where_ = std::array{Where::inside, Where::centred, Where::boxes_away, Where::far_away}[random_.below(4)];
     std::uint64_t const count = random_.below(80);
@@ -93,7 +94,7 @@ class Scene {
     if (!state_.agents.empty() && random_.below(8) == 0) {
       return position(state_.agents, static_cast<std::size_t>(random_.below(state_.agents.size())));
     }
-    if (state_.box.is_periodic() && where_ == Where::inside && !state_.agents.empty() && random_.below(8) == 0) {
+    if (state_.box.has_images() && where_ == Where::inside && !state_.agents.empty() && random_.below(8) == 0) {
       // Almost half a side from another one.
       Vector p = position(state_.agents, static_cast<std::size_t>(random_.below(state_.agents.size())));
       bool const is_along_x = random_.below(2) == 0;
@@ -102,7 +103,8 @@ class Scene {
       coordinate += coordinate < half ? half : -half;
       return p;
     }
-    return {coordinate(state_.box.width()), coordinate(state_.box.height())};
+    return {coordinate(state_.box.width(), state_.box.is_periodic_x()),
+            coordinate(state_.box.height(), state_.box.is_periodic_y())};
   }
   void add() {
     Vector const p = any_point();
@@ -113,10 +115,10 @@ class Scene {
   /// Where the points of a periodic box are.
   enum class Where { inside, centred, boxes_away, far_away };
 
-  double coordinate(double side) {
+  double coordinate(double side, bool is_periodic) {
     double p = cluster_ * random_.uniform() * side;
     if (random_.below(4) == 0) p = static_cast<double>(random_.below(13)) / 12.0 * side;
-    if (!state_.box.is_periodic()) return random_.below(16) == 0 ? p + side * (8.0 * random_.uniform() - 4.0) : p;
+    if (!is_periodic) return random_.below(16) == 0 ? p + side * (8.0 * random_.uniform() - 4.0) : p;
     // Close to an edge of the box, where a coordinate and its image round differently.
     if (where_ != Where::inside && random_.below(16) == 0) {
       p = (static_cast<double>(random_.below(9)) - 4.0) * 1e-17 * side;
@@ -415,7 +417,7 @@ TEST(PairsOnSortedGrid, AreThoseOfBruteForceWhileFewPointsMove) {
 State crowd(Box const& box, std::size_t count, double cutoff, RandomStream& random) {
   State state{.box = box};
   Vector const corner{0.9 * random.uniform() * box.width(), 0.9 * random.uniform() * box.height()};
-  double const boxes_away = box.is_periodic() ? static_cast<double>(random.below(3)) : 0.0;
+  double const boxes_away = box.is_periodic_x() ? static_cast<double>(random.below(3)) : 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     Vector p{random.uniform() * box.width(), random.uniform() * box.height()};
     // Of side 7.5 cutoffs: about as many neighbours each as points per 18 squared cutoffs.
@@ -446,7 +448,8 @@ void expect_lists(State const& state, double cutoff, Separations const& expected
 TEST(NeighbourSearch, FindsWhatBruteForceFindsWherePointsCrowdComeTogetherAndDisperse) {
   for (std::uint64_t seed = 0; seed < 150; ++seed) {
     RandomStream random(seed, 0, 0, Purpose::start_position);
-    Box const box(1.0 + random.uniform(), 1.0, random.below(2) == 0 ? Edge::wall : Edge::periodic);
+    Edge const edge_x = random.below(2) == 0 ? Edge::wall : Edge::periodic;
+    Box const box(1.0 + random.uniform(), 1.0, edge_x, seed % 3 == 0 ? Edge::wall : edge_x);
     std::size_t const count = 200 + random.below(300);
     double const cutoff = std::array{0.002, 0.005, 0.02}[random.below(3)];
     std::array<State, 3> const states{crowd(box, count, cutoff, random), crowd(box, count, 20.0 * cutoff, random),
@@ -470,14 +473,15 @@ TEST(NeighbourSearch, FindsWhatBruteForceFindsWherePointsCrowdComeTogetherAndDis
       ASSERT_EQ(by_pairs, expected) << "seed " << seed;
       ASSERT_EQ(by_neighbours, expected) << "seed " << seed;
       // Points outside a periodic box are sorted by their images, whose distances round otherwise.
-      if (!box.is_periodic()) expect_lists(state, cutoff, expected);
+      if (!box.has_images()) expect_lists(state, cutoff, expected);
     }
   }
 }
 
 TEST(PairsBetweenGrids, AreTheSameForThousandsOfAgents) {
-  for (Edge const edge : {Edge::wall, Edge::periodic}) {
-    State state{.box = Box(3.0, 2.0, edge)};
+  for (Box const& box : {Box(3.0, 2.0, Edge::wall), Box(3.0, 2.0, Edge::periodic),
+                         Box(3.0, 2.0, Edge::periodic, Edge::wall), Box(3.0, 2.0, Edge::wall, Edge::periodic)}) {
+    State state{.box = box};
     RandomStream random(7, 0, 0, Purpose::start_position);
     for (int n = 0; n < 20000; ++n) state.agents.add(3.0 * random.uniform(), 2.0 * random.uniform(), 0, 0, 1, 1, 0, 0);
     for (double const cutoff : {0.003, 0.02, 0.05}) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -33,6 +34,7 @@ struct SharingCase {
   double smallest_ratio = 1.0;  ///< of every other disk
   double duration = 4.0;
   exact::Lists lists = exact::Lists::where_they_pay;
+  std::optional<Edge> edge_y = {};  ///< of y alone, along which strips follow one another
 
   friend std::ostream& operator<<(std::ostream& out, SharingCase const& c) { return out << c.name; }
 };
@@ -42,7 +44,9 @@ State start(SharingCase const& c) {
   double const ratio = c.smallest_ratio;
   double const area_of_disk = std::numbers::pi / 8.0 * (1.0 + ratio * ratio);
   double const step = std::sqrt(area_of_disk / c.packing_fraction);
-  State state{.box = Box(step * static_cast<double>(c.columns), step * static_cast<double>(c.rows), c.edge), .seed = 1};
+  State state{.box = Box(step * static_cast<double>(c.columns), step * static_cast<double>(c.rows), c.edge,
+                         c.edge_y.value_or(c.edge)),
+              .seed = 1};
   for (std::uint64_t row = 0; row < c.rows; ++row) {
     for (std::uint64_t column = 0; column < c.columns; ++column) {
       RandomStream random(1, 0, row * c.columns + column, Purpose::start_velocity);
@@ -91,13 +95,22 @@ class SharingProperty : public testing::TestWithParam<SharingCase> {};
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, SharingProperty,
-    testing::Values(SharingCase{"fluid", 0.70, 20, 160}, SharingCase{"fluid_walls", 0.70, 20, 160, Edge::wall},
-                    SharingCase{"dilute", 0.30, 16, 260, Edge::periodic, 1.0, 12.0},
-                    SharingCase{"dilute_walls", 0.30, 16, 260, Edge::wall, 1.0, 12.0},
-                    SharingCase{"dense_lists", 0.74, 20, 160, Edge::periodic, 1.0, 3.0, exact::Lists::always},
-                    SharingCase{"dense_lists_walls", 0.74, 20, 160, Edge::wall, 1.0, 3.0, exact::Lists::always},
-                    SharingCase{"mixture", 0.65, 20, 200, Edge::periodic, 0.7},
-                    SharingCase{"unequal_lists", 0.45, 20, 240, Edge::wall, 0.4, 4.0, exact::Lists::always}),
+    testing::Values(
+        SharingCase{"fluid", 0.70, 20, 160}, SharingCase{"fluid_walls", 0.70, 20, 160, Edge::wall},
+        SharingCase{
+            .name = "fluid_periodic_in_x", .packing_fraction = 0.70, .columns = 20, .rows = 160, .edge_y = Edge::wall},
+        SharingCase{.name = "fluid_periodic_in_y",
+                    .packing_fraction = 0.70,
+                    .columns = 20,
+                    .rows = 160,
+                    .edge = Edge::wall,
+                    .edge_y = Edge::periodic},
+        SharingCase{"dilute", 0.30, 16, 260, Edge::periodic, 1.0, 12.0},
+        SharingCase{"dilute_walls", 0.30, 16, 260, Edge::wall, 1.0, 12.0},
+        SharingCase{"dense_lists", 0.74, 20, 160, Edge::periodic, 1.0, 3.0, exact::Lists::always},
+        SharingCase{"dense_lists_walls", 0.74, 20, 160, Edge::wall, 1.0, 3.0, exact::Lists::always},
+        SharingCase{"mixture", 0.65, 20, 200, Edge::periodic, 0.7},
+        SharingCase{"unequal_lists", 0.45, 20, 240, Edge::wall, 0.4, 4.0, exact::Lists::always}),
     [](auto const& scene) { return scene.param.name; });
 
 TEST_P(SharingProperty, HasTheSameBitsWithAnyNumberOfThreads) {

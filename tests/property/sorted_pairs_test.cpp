@@ -30,7 +30,8 @@ Pairs pairs_by(AddPairsOfRows kernel, SortedRows const& rows, RowRange cell, std
 RC_GTEST_PROP(PairsOfRows, AreThoseOfTheDefinitionInItsOrderWithAnyInstructions, ()) {
   auto const count = *rc::gen::inRange<std::size_t>(1, 150);
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
-  Box const box(2.0, 3.0, *rc::gen::element(Edge::wall, Edge::periodic));
+  auto const edge = rc::gen::element(Edge::wall, Edge::periodic);
+  Box const box(2.0, 3.0, *edge, *edge);
   bool const has_images = *rc::gen::arbitrary<bool>();
   std::vector<double> x;
   std::vector<double> y;

@@ -163,7 +163,8 @@ Market any_market(std::uint64_t seed) {
     return all[random.below(all.size())];
   };
   Market market{.model = {},
-                .box = Box(one_of(1.0, 0.3, 3.0), one_of(1.0, 0.25, 2.0), one_of(Edge::wall, Edge::periodic)),
+                .box = Box(one_of(1.0, 0.3, 3.0), one_of(1.0, 0.25, 2.0), one_of(Edge::wall, Edge::periodic),
+                           one_of(Edge::wall, Edge::periodic)),
                 .seed = seed};
   Traders& model = market.model;
   double const shorter = std::min(market.box.width(), market.box.height());

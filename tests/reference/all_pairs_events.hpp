@@ -65,18 +65,19 @@ class AllPairsEvents {
     Event first;
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       for (std::size_t j = i + 1; j < state.agents.size(); ++j) consider_pair(first, i, j);
-      if (!state.box.is_periodic()) consider_walls(first, i);
+      consider_walls(first, i);
     }
     return first;
   }
 
   void consider_pair(Event& first, std::size_t i, std::size_t j) const {
-    int const images = state.box.is_periodic() ? 1 : 0;
+    int const images_x = state.box.is_periodic_x() ? 1 : 0;
+    int const images_y = state.box.is_periodic_y() ? 1 : 0;
     Vector const w = velocity(state.agents, j) - velocity(state.agents, i);
     double const contact = radius(i) + radius(j);
     double const widening = rate_of(i) + rate_of(j);
-    for (int n = -images; n <= images; ++n) {
-      for (int m = -images; m <= images; ++m) {
+    for (int n = -images_x; n <= images_x; ++n) {
+      for (int m = -images_y; m <= images_y; ++m) {
         Vector const image{n * state.box.width(), m * state.box.height()};
         Vector const d = position(state.agents, j) + image - position(state.agents, i);
         double const a = squared_length(w) - widening * widening;
@@ -108,8 +109,11 @@ class AllPairsEvents {
       double const speed = outwards + rate_of(i);
       if (speed > 0.0 && std::max(0.0, gap / speed) < first.wait) first = {std::max(0.0, gap / speed), i, i, {}, wall};
     };
-    consider(p.x - r, -v.x, 0);
-    consider(state.box.width() - r - p.x, v.x, 1);
+    if (!state.box.is_periodic_x()) {
+      consider(p.x - r, -v.x, 0);
+      consider(state.box.width() - r - p.x, v.x, 1);
+    }
+    if (state.box.is_periodic_y()) return;
     consider(p.y - r, -v.y, 2);
     consider(state.box.height() - r - p.y, v.y, 3);
   }

@@ -26,7 +26,7 @@ class PaperRule {
 
   std::vector<Disk> disks;  ///< in the order of their ids
   double width, height;
-  bool is_periodic;
+  bool is_periodic_x, is_periodic_y;
   double substep;  ///< in physical time
   int substeps = 5;
   bool scatters_always = true;
@@ -41,7 +41,8 @@ class PaperRule {
   PaperRule(State const& state, double time_step, int substeps_in, bool always)
       : width(state.box.width()),
         height(state.box.height()),
-        is_periodic(state.box.is_periodic()),
+        is_periodic_x(state.box.is_periodic_x()),
+        is_periodic_y(state.box.is_periodic_y()),
         substep(time_step / substeps_in),
         substeps(substeps_in),
         scatters_always(always) {
@@ -86,24 +87,22 @@ class PaperRule {
   [[nodiscard]] Separation separation(double from_x, double from_y, Disk const& to) const {
     double const dx = to.x - from_x;
     double const dy = to.y - from_y;
-    if (!is_periodic) return {dx, dy};
-    return {shorter_displacement(dx, width), shorter_displacement(dy, height)};
+    return {is_periodic_x ? shorter_displacement(dx, width) : dx,
+            is_periodic_y ? shorter_displacement(dy, height) : dy};
   }
 
   void turn(Disk& disk) {
     for (int m = 1; m <= substeps; ++m) {
       double x = disk.x + substep * disk.vx;
       double y = disk.y + substep * disk.vy;
-      if (!is_periodic && meets_wall(disk, x, y)) {
+      if (meets_wall(disk, x, y)) {
         ++halted_moves;
         return;
       }
       int image_x = disk.image_x;
       int image_y = disk.image_y;
-      if (is_periodic) {
-        fold(x, width, image_x);
-        fold(y, height, image_y);
-      }
+      if (is_periodic_x) fold(x, width, image_x);
+      if (is_periodic_y) fold(y, height, image_y);
       Disk* const partner = nearest_overlapped(disk, x, y);
       if (partner != nullptr) {
         collide(disk, *partner);
@@ -119,10 +118,10 @@ class PaperRule {
   }
 
   bool meets_wall(Disk& disk, double x, double y) {
-    bool const left = x < disk.radius;
-    bool const right = x > width - disk.radius;
-    bool const bottom = y < disk.radius;
-    bool const top = y > height - disk.radius;
+    bool const left = !is_periodic_x && x < disk.radius;
+    bool const right = !is_periodic_x && x > width - disk.radius;
+    bool const bottom = !is_periodic_y && y < disk.radius;
+    bool const top = !is_periodic_y && y > height - disk.radius;
     if (left || right) {
       wall_virial += (disk.x - width / 2) * (-2 * disk.mass * disk.vx);
       disk.vx = -disk.vx;

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <ostream>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
@@ -15,7 +17,8 @@ namespace gridlock::reference {
 /// A random set-up of hard disks, described by numbers alone so that a failure can be printed and repeated.
 struct SceneSettings {
   Edge edge = Edge::wall;
-  double width = 1.25;  ///< An oblong box tells what takes x for y.
+  std::optional<Edge> edge_y = {};  ///< of y alone, where it is another
+  double width = 1.25;              ///< An oblong box tells what takes x for y.
   double height = 0.8;
   std::uint64_t count = 20;
   double packing_fraction = 0.4;  ///< asked for; less where the disks would not fit on their sites
@@ -23,10 +26,12 @@ struct SceneSettings {
   double heaviest_mass = 1.0;     ///< masses are uniform in [1, heaviest_mass]
   std::uint64_t seed = 1;
 
+  [[nodiscard]] Box box() const { return {width, height, edge, edge_y.value_or(edge)}; }
+
   friend std::ostream& operator<<(std::ostream& out, SceneSettings const& s) {
-    return out << (s.edge == Edge::wall ? "walls" : "periodic") << " " << s.width << " × " << s.height
-               << ", N = " << s.count << ", φ = " << s.packing_fraction << ", smallest ratio " << s.smallest_ratio
-               << ", heaviest mass " << s.heaviest_mass << ", seed " << s.seed;
+    return out << edges_in_words(s.box()) << " " << s.width << " × " << s.height << ", N = " << s.count
+               << ", φ = " << s.packing_fraction << ", smallest ratio " << s.smallest_ratio << ", heaviest mass "
+               << s.heaviest_mass << ", seed " << s.seed;
   }
 };
 
@@ -35,10 +40,8 @@ namespace detail {
 /// Whether disk i could stand at p without overlap and inside the box.
 inline bool is_free(State const& state, std::size_t i, Vector p) {
   auto const r = state.agents.column<Radius>();
-  if (!state.box.is_periodic() &&
-      (p.x < r[i] || p.x > state.box.width() - r[i] || p.y < r[i] || p.y > state.box.height() - r[i])) {
-    return false;
-  }
+  if (!state.box.is_periodic_x() && (p.x < r[i] || p.x > state.box.width() - r[i])) return false;
+  if (!state.box.is_periodic_y() && (p.y < r[i] || p.y > state.box.height() - r[i])) return false;
   for (std::size_t j = 0; j < state.agents.size(); ++j) {
     if (j == i) continue;
     double const contact = r[i] + r[j];
@@ -64,10 +67,18 @@ inline void shake(State& state, RandomStream& random, double largest_move, int s
 
 }  // namespace detail
 
+/// Calls visit(edge of x, edge of y) for all four kinds of box.
+template <class Visit>
+void for_each_edges(Visit visit) {
+  for (Edge const x : {Edge::wall, Edge::periodic}) {
+    for (Edge const y : {Edge::wall, Edge::periodic}) visit(x, y);
+  }
+}
+
 /// Disks on random sites of the smallest square-like lattice that holds them, shaken, with velocities uniform in the
 /// unit disk. In a periodic box no disk is wider than a fifth of the shorter side, as the engines ask.
 inline State random_scene(SceneSettings const& settings) {
-  State state{.box = Box(settings.width, settings.height, settings.edge), .seed = settings.seed};
+  State state{.box = settings.box(), .seed = settings.seed};
   RandomStream random(settings.seed, 0, 0, Purpose::start_position);
   double const stretch = std::sqrt(settings.width / settings.height * static_cast<double>(settings.count));
   auto const columns = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(stretch)));
@@ -83,7 +94,7 @@ inline State random_scene(SceneSettings const& settings) {
   }
   double largest = std::sqrt(settings.packing_fraction * state.box.area() / (std::numbers::pi * squares));
   largest = std::min(largest, 0.4999 * std::min(step_x, step_y));
-  if (state.box.is_periodic()) largest = std::min(largest, 0.1 * std::min(settings.width, settings.height));
+  largest = std::min(largest, 0.1 * state.box.shortest_period());
 
   std::vector<std::uint64_t> sites(columns * rows);
   for (std::uint64_t n = 0; n < sites.size(); ++n) sites[n] = n;

@@ -43,6 +43,7 @@ inline TiledSystem any_tiled_system(std::uint64_t seed) {
               .substeps = 1 + random.below(8),
               .contact = random.below(2) == 0 ? CollisionRule::always : CollisionRule::approaching};
   s.fastest = random.below(3) == 0 ? 6.0 : 1.0;
+  if (random.below(2) == 0) s.scene.edge_y = random.below(2) == 0 ? Edge::wall : Edge::periodic;
   return s;
 }
 

@@ -68,7 +68,10 @@ char const* type_of(NamedColumn const& column) {
 }
 
 Json box_of(Box const& box) {
-  return {{"width", box.width()}, {"height", box.height()}, {"periodic", box.is_periodic()}};
+  // One answer where x and y are alike, else one for each.
+  Json const periodic =
+      box.edge_x() == box.edge_y() ? Json(box.is_periodic()) : Json::array({box.is_periodic_x(), box.is_periodic_y()});
+  return {{"width", box.width()}, {"height", box.height()}, {"periodic", periodic}};
 }
 
 Json drawn(std::string_view name, std::string_view unit, std::string_view documentation,

@@ -24,7 +24,11 @@ val value_of(xyz::ShownFrame const& frame) {
     val box = val::object();
     box.set("width", (*frame.sides)[0]);
     box.set("height", (*frame.sides)[1]);
-    box.set("periodic", frame.is_periodic);
+    auto const [periodic_x, periodic_y] = frame.is_periodic;
+    val both = val::array();
+    both.call<void>("push", periodic_x);
+    both.call<void>("push", periodic_y);
+    box.set("periodic", periodic_x == periodic_y ? val(periodic_x) : both);
     value.set("box", box);
   }
   value.set("ids", array_of(frame.ids));

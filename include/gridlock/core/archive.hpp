@@ -36,6 +36,10 @@ class Archive {
   /// Returns true if the archive writes values into the object, false if it reads them from the object.
   [[nodiscard]] virtual bool is_restoring() const = 0;
 
+  /// Returns whether the archive has a member `name`, for members that not every object saves.
+  /// Contract: is_restoring().
+  [[nodiscard]] virtual bool has(std::string_view /*name*/) const { return false; }
+
   /// Opens the group `name`: all members visited until the matching leave() belong to it.
   virtual void enter(std::string_view name) = 0;
   virtual void leave() = 0;

@@ -6,32 +6,38 @@
 /// ```cpp
 /// Box const box(2.0, 1.0, Edge::periodic);
 /// Vector const separation = box.displacement({1.9, 0.5}, {0.1, 0.5});  // (0.2, 0), to the nearest image
+/// Box const channel(2.0, 1.0, Edge::periodic, Edge::wall);  // periodic in x, with a floor and a lid
 /// int crossed_x = 0, crossed_y = 0;
 /// Vector const inside = box.wrap({2.1, 0.5}, crossed_x, crossed_y);  // (0.1, 0.5), and crossed_x is 1
 /// ```
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
 
 #include "gridlock/core/vector.hpp"
 
 namespace gridlock {
 
-/// The kind of border that a box has: hard walls, or periodic edges.
-enum class Edge { wall, periodic };
+/// The kind of border that a box has on two opposite sides: hard walls, or periodic edges.
+enum class Edge : std::int32_t { wall, periodic };
 
-/// The rectangle [0, width] × [0, height] that contains all agents, with hard walls or periodic edges on all four
-/// sides.
+/// The rectangle [0, width] × [0, height] that contains all agents. The edges of x are the left and right sides, the
+/// edges of y the bottom and the top; both may be hard walls or periodic.
 ///
-/// In a periodic box a point outside is an image of a point inside, at any distance. In a box with walls it is no
-/// image.
+///     x and y walls: a closed box   x periodic, y walls: a channel   both periodic: no border
 ///
-/// In a periodic box every displacement goes to the nearest image. Searches for neighbours need distances below half
-/// the shorter side; engines refuse boxes that are too small for their cutoff.
+/// Along a periodic axis a point outside is an image of a point inside, at any distance. Beyond a wall it is no image.
+///
+/// Along a periodic axis every displacement goes to the nearest image. Searches for neighbours need distances below
+/// half the shorter periodic side; engines refuse boxes that are too small for their cutoff.
 /// Errors: a side that is not finite and positive throws Error.
 class Box {
  public:
   Box() = default;
-  Box(double width, double height, Edge edge);
+  Box(double width, double height, Edge edge) : Box(width, height, edge, edge) {}
+  Box(double width, double height, Edge edge_x, Edge edge_y);
 
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
@@ -39,14 +45,26 @@ class Box {
   /// Returns √area: the side of a square box, and the unit of length in which displacements are quoted for a
   /// rectangular box.
   [[nodiscard]] double side() const;
-  [[nodiscard]] Edge edge() const { return edge_; }
-  [[nodiscard]] bool is_periodic() const { return edge_ == Edge::periodic; }
+  [[nodiscard]] Edge edge_x() const { return edge_x_; }
+  [[nodiscard]] Edge edge_y() const { return edge_y_; }
+  [[nodiscard]] bool is_periodic_x() const { return edge_x_ == Edge::periodic; }
+  [[nodiscard]] bool is_periodic_y() const { return edge_y_ == Edge::periodic; }
+  /// Returns whether the box is periodic along x and along y.
+  [[nodiscard]] bool is_periodic() const { return is_periodic_x() && is_periodic_y(); }
+  /// Returns whether points have images: the box is periodic along x, along y, or along both.
+  [[nodiscard]] bool has_images() const { return is_periodic_x() || is_periodic_y(); }
+  [[nodiscard]] bool has_walls() const { return !is_periodic(); }
+  /// Return the distance between the images of a point; infinite between walls.
+  [[nodiscard]] double period_x() const { return 2.0 * half_period_x_; }
+  [[nodiscard]] double period_y() const { return 2.0 * half_period_y_; }
+  /// Returns the shortest distance between the images of a point; infinite where a point has none.
+  [[nodiscard]] double shortest_period() const { return 2.0 * std::fmin(half_period_x_, half_period_y_); }
 
-  /// Returns the vector from `from` to `to`, in a periodic box to the nearest image, for any finite points. It is
+  /// Returns the vector from `from` to `to`, along periodic axes to the nearest image, for any finite points. It is
   /// antisymmetric to the last bit, so that it does not matter in which order two disks are tested for overlap.
   [[nodiscard]] Vector displacement(Vector from, Vector to) const {
     Vector const d = displacement_inside(from, to);
-    if (is_periodic() && !(std::abs(d.x) <= half_width_ && std::abs(d.y) <= half_height_)) [[unlikely]] {
+    if (has_images() && !(std::abs(d.x) <= half_period_x_ && std::abs(d.y) <= half_period_y_)) [[unlikely]] {
       return displacement_of_images(from, to);
     }
     return d;
@@ -55,20 +73,18 @@ class Box {
   /// Returns the same bits as displacement() with less work, for two points inside the box.
   [[nodiscard]] Vector displacement_inside(Vector from, Vector to) const {
     Vector d = to - from;
-    if (is_periodic()) {
-      d.x = nearest_image(d.x, width_, half_width_);
-      d.y = nearest_image(d.y, height_, half_height_);
+    if (has_images()) {
+      d.x = nearest_image(d.x, width_, half_period_x_);
+      d.y = nearest_image(d.y, height_, half_period_y_);
     }
     return d;
   }
 
-  /// Moves a point that is less than one side outside a periodic box back into [0, width) × [0, height), and counts the
-  /// edges crossed in `crossed_x` and `crossed_y` (+1 for the right or top edge). In a box with walls nothing changes.
+  /// Moves a point that is less than one side beyond a periodic edge back into [0, width) or [0, height), and counts
+  /// the edges crossed in `crossed_x` and `crossed_y` (+1 for the right or top edge). Between walls nothing changes.
   [[nodiscard]] Vector wrap(Vector p, int& crossed_x, int& crossed_y) const {
-    if (is_periodic()) {
-      p.x = into_range(p.x, width_, crossed_x);
-      p.y = into_range(p.y, height_, crossed_y);
-    }
+    if (is_periodic_x()) p.x = into_range(p.x, width_, crossed_x);
+    if (is_periodic_y()) p.y = into_range(p.y, height_, crossed_y);
     return p;
   }
 
@@ -99,10 +115,20 @@ class Box {
 
   double width_ = 1.0;
   double height_ = 1.0;
-  double half_width_ = 0.5;
-  double half_height_ = 0.5;
-  Edge edge_ = Edge::wall;
+  // Half of infinity between walls, where the nearest image is then always the point itself.
+  double half_period_x_ = std::numeric_limits<double>::infinity();
+  double half_period_y_ = std::numeric_limits<double>::infinity();
+  Edge edge_x_ = Edge::wall;
+  Edge edge_y_ = Edge::wall;
 };
+
+/// Returns the edges as a number, for hashes and messages: 0 for walls, 1 for a periodic box, 2 for one periodic along
+/// x only, 3 for one periodic along y only.
+std::uint64_t number_of_edges(Box const& box);
+/// Returns a box with the edges of this number. Errors: Error for a number of no edges.
+Box box_with_edges(double width, double height, std::uint64_t number);
+/// Returns "periodic", "walled", or the like for texts: "a … box".
+std::string_view edges_in_words(Box const& box);
 
 /// Returns the image in [0, side) of any finite coordinate; exact but for one rounding to the precision of the side.
 double image_inside(double p, double side);

@@ -12,7 +12,7 @@ namespace gridlock {
 ///
 ///     rows−1 │ … │   │   │        cell = row · columns + column
 ///          1 │ k │   │   │        a periodic box continues on the other side,
-///          0 │ 0 │ 1 │ 2 │        a walled box ends
+///          0 │ 0 │ 1 │ 2 │        and ends at walls, for x and y apart
 ///              0   1   2  columns−1
 ///
 /// A point outside a periodic box is in the cell of its image inside, a point outside walls in the nearest cell.
@@ -36,16 +36,19 @@ class CellLayout {
   [[nodiscard]] double cell_height() const { return cell_height_; }
   [[nodiscard]] double columns_per_length() const { return columns_per_length_; }
   [[nodiscard]] double rows_per_length() const { return rows_per_length_; }
-  [[nodiscard]] bool is_periodic() const { return is_periodic_; }
+  [[nodiscard]] bool is_periodic_x() const { return is_periodic_x_; }
+  [[nodiscard]] bool is_periodic_y() const { return is_periodic_y_; }
 
-  [[nodiscard]] int column_of(double x) const { return index_of(x, columns_per_length_, columns_, width_); }
-  [[nodiscard]] int row_of(double y) const { return index_of(y, rows_per_length_, rows_, height_); }
+  [[nodiscard]] int column_of(double x) const {
+    return index_of(x, columns_per_length_, columns_, width_, is_periodic_x_);
+  }
+  [[nodiscard]] int row_of(double y) const { return index_of(y, rows_per_length_, rows_, height_, is_periodic_y_); }
   [[nodiscard]] int cell_of(Vector p) const { return row_of(p.y) * columns_ + column_of(p.x); }
 
   /// Returns the image of a point that lies in the box; in a box with walls the point itself.
   [[nodiscard]] Vector image_in_cell(Vector p) const {
-    return {image_in_cells(p.x, columns_per_length_, columns_, width_),
-            image_in_cells(p.y, rows_per_length_, rows_, height_)};
+    return {image_in_cells(p.x, columns_per_length_, columns_, width_, is_periodic_x_),
+            image_in_cells(p.y, rows_per_length_, rows_, height_, is_periodic_y_)};
   }
 
   /// Calls visit(cell) once for every cell within `reach_columns` and `reach_rows` of `cell`, itself included: the 3×3
@@ -53,8 +56,8 @@ class CellLayout {
   template <class Visit>
   void for_each_cell_in_block(int cell, int reach_columns, int reach_rows, Visit visit) const {
     int const row = cell / columns_;
-    Range const x = range(cell - row * columns_, reach_columns, columns_);
-    Range const y = range(row, reach_rows, rows_);
+    Range const x = range(cell - row * columns_, reach_columns, columns_, is_periodic_x_);
+    Range const y = range(row, reach_rows, rows_, is_periodic_y_);
     for (int r = y.first; r < y.end; ++r) {
       int const row_start = wrapped(r, rows_) * columns_;
       for (int c = x.first; c < x.end; ++c) visit(row_start + wrapped(c, columns_));
@@ -64,7 +67,8 @@ class CellLayout {
   /// Returns whether a point is in the 3×3 block around a cell.
   [[nodiscard]] bool is_in_block(int cell, Vector p) const {
     int const row = cell / columns_;
-    return are_next(cell - row * columns_, column_of(p.x), columns_) && are_next(row, row_of(p.y), rows_);
+    return are_next(cell - row * columns_, column_of(p.x), columns_, is_periodic_x_) &&
+           are_next(row, row_of(p.y), rows_, is_periodic_y_);
   }
 
   /// A cell of a block, and its distance from the middle cell in columns and rows across periodic edges.
@@ -76,17 +80,17 @@ class CellLayout {
   /// Contract: the block does not go around the box, see goes_around().
   template <class Visit>
   void for_each_cell_seen_from(int column, int row, int reach_columns, int reach_rows, Visit visit) const {
-    Range const x = range(column, reach_columns, columns_);
-    Range const y = range(row, reach_rows, rows_);
+    Range const x = range(column, reach_columns, columns_, is_periodic_x_);
+    Range const y = range(row, reach_rows, rows_, is_periodic_y_);
     for (int r = y.first; r < y.end; ++r) {
       int const seen_row = wrapped(r, rows_);
       for (int c = x.first; c < x.end; ++c) visit(CellSeen{wrapped(c, columns_), seen_row, c - column, r - row});
     }
   }
-  /// Returns whether a block contains every column or every row of a periodic box: a cell may then be seen on two
+  /// Returns whether a block contains every column or every row along a periodic axis: a cell may then be seen on two
   /// sides.
   [[nodiscard]] bool goes_around(int reach_columns, int reach_rows) const {
-    return is_periodic_ && (has_all(reach_columns, columns_) || has_all(reach_rows, rows_));
+    return (is_periodic_x_ && has_all(reach_columns, columns_)) || (is_periodic_y_ && has_all(reach_rows, rows_));
   }
 
   /// Return the smallest number of columns or rows to each side that contain every point nearer than `distance` to a
@@ -107,13 +111,14 @@ class CellLayout {
   /// Returns whether a coordinate counted in cells lies in the box. Cells and images use the same test, so that they
   /// agree for a coordinate within rounding of an edge.
   static bool is_in_cells(double index, int count) { return (index >= 0.0) & (index < count); }
-  [[nodiscard]] int index_of(double p, double per_length, int count, double side) const {
+  static int index_of(double p, double per_length, int count, double side, bool is_periodic) {
     double const index = p * per_length;
-    return is_in_cells(index, count) ? static_cast<int>(index) : index_from_outside(p, per_length, count, side);
+    return is_in_cells(index, count) ? static_cast<int>(index)
+                                     : index_from_outside(p, per_length, count, side, is_periodic);
   }
-  [[nodiscard, gnu::cold]] int index_from_outside(double p, double per_length, int count, double side) const;
-  [[nodiscard]] double image_in_cells(double p, double per_length, int count, double side) const {
-    return !is_periodic_ || is_in_cells(p * per_length, count) ? p : image_inside(p, side);
+  [[gnu::cold]] static int index_from_outside(double p, double per_length, int count, double side, bool is_periodic);
+  static double image_in_cells(double p, double per_length, int count, double side, bool is_periodic) {
+    return !is_periodic || is_in_cells(p * per_length, count) ? p : image_inside(p, side);
   }
   static int cells_within(double distance, double per_length, int count) {
     // The margins cover rounding of the distance, relative to the distance, and of points, relative to the side.
@@ -122,12 +127,12 @@ class CellLayout {
     int const whole = static_cast<int>(cells);
     return whole < cells ? whole + 1 : whole;
   }
-  [[nodiscard]] bool are_next(int one, int other, int count) const {
+  static bool are_next(int one, int other, int count, bool is_periodic) {
     int const apart = one < other ? other - one : one - other;
-    return apart <= 1 || (is_periodic_ && apart == count - 1);
+    return apart <= 1 || (is_periodic && apart == count - 1);
   }
-  [[nodiscard]] Range range(int index, int cutoff, int count) const {
-    if (!is_periodic_) return {std::max(0, index - cutoff), std::min(count, index + cutoff + 1)};
+  static Range range(int index, int cutoff, int count, bool is_periodic) {
+    if (!is_periodic) return {std::max(0, index - cutoff), std::min(count, index + cutoff + 1)};
     return has_all(cutoff, count) ? Range{0, count} : Range{index - cutoff, index + cutoff + 1};
   }
   static bool has_all(int cutoff, int count) { return cutoff >= count - 1 - cutoff; }
@@ -144,7 +149,8 @@ class CellLayout {
   double cell_height_ = 1.0;
   double columns_per_length_ = 1.0;
   double rows_per_length_ = 1.0;
-  bool is_periodic_ = false;
+  bool is_periodic_x_ = false;
+  bool is_periodic_y_ = false;
 };
 
 /// Returns the layout with the smallest cells whose 3×3 block contains every point nearer than `cutoff`, with at most

@@ -24,15 +24,24 @@
 
 namespace gridlock {
 
+/// The edges along one axis: those of `box.edge`, or others.
+enum class AxisEdge { same, wall, periodic };
+
 /// The settings `[box]`.
 struct BoxSettings {
   Edge edge = Edge::wall;
+  AxisEdge edge_x = AxisEdge::same;
+  AxisEdge edge_y = AxisEdge::same;
   double side = 1.0;
   std::optional<double> width;   ///< left out: side
   std::optional<double> height;  ///< left out: side
 };
 void describe(BoxSettings& settings, SettingVisitor& visitor);
 Box make_box(BoxSettings const& settings);
+/// Return the edges that the settings give to an axis.
+Edge edge_x_of(BoxSettings const& settings);
+Edge edge_y_of(BoxSettings const& settings);
+AxisEdge axis_edge_of(Edge edge);
 
 /// One kind of disk in a mixture: `[[disks.species]]`.
 struct SpeciesSettings {

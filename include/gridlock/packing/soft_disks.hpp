@@ -82,5 +82,7 @@ double pressure_of(std::span<Contact const> contacts, Potential potential, Box c
 /// Throws Error for arrays of different length, numbers that are not finite, radii that are not positive, and centres
 /// outside walls.
 void require_valid(Packing const& packing);
+/// Throws Error for a box that is periodic along one axis only: soft disks and contacts know none.
+void require_equal_edges(Box const& box);
 
 }  // namespace gridlock

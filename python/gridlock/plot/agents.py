@@ -85,8 +85,8 @@ def _local_order(frame: Frame) -> NDArray[np.float64]:
     if len(frame) == 0:
         return np.empty(0)
     cutoff = 1.5 * np.sqrt(2.0 / np.sqrt(3.0) * frame.box.area / len(frame))
-    if frame.box.periodic:
-        cutoff = min(cutoff, 0.5 * min(frame.box.width, frame.box.height))
+    periods = [side for side, periodic in zip(frame.box[:2], (frame.box.periodic_x, frame.box.periodic_y)) if periodic]
+    cutoff = min([cutoff, *(0.5 * period for period in periods)])
     return np.abs(bond_orientation(frame.positions, cutoff, frame.box))
 
 
@@ -101,12 +101,13 @@ def _radii(frame: Frame) -> NDArray[np.float64]:
 
 
 def _rows_with_images(frame: Frame, radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Rows and positions of all that shows in the box: a disk that an edge of a periodic box cuts shows on both sides."""
+    """Rows and positions of all that shows in the box: a disk that a periodic edge cuts shows on both sides."""
     positions, sides, radius = frame.positions, np.array([frame.box.width, frame.box.height]), radii[:, None]
     rows, places = [np.arange(len(frame))], [positions]
-    is_cut = ((positions < radius) | (positions > sides - radius)).any(axis=1) & frame.box.periodic
+    periodic = np.array([frame.box.periodic_x, frame.box.periodic_y])
+    is_cut = (((positions < radius) | (positions > sides - radius)) & periodic).any(axis=1)
     cut = np.flatnonzero(is_cut)
-    for shift in [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]:
+    for shift in [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0) and periodic[np.flatnonzero((i, j))].all()]:
         images = positions[cut] + shift * sides
         shows = ((images > -radius[cut]) & (images < sides + radius[cut])).all(axis=1)
         rows.append(cut[shows])
@@ -119,12 +120,14 @@ def neighbourhood_colours(frame: Frame, columns: int, rows: int) -> NDArray[np.i
 
     An axis with an odd number of cells that closes on itself needs three numbers, all others two.
     """
-    def along(coordinates: Any, side: float, count: int) -> Any:
+    def along(coordinates: Any, side: float, count: int, periodic: bool) -> Any:
         cells = np.clip(np.nan_to_num(np.asarray(coordinates) * (count / side)), 0, count - 1).astype(int)
-        closes = frame.box.periodic and count % 2 == 1 and count > 1
+        closes = periodic and count % 2 == 1 and count > 1
         return np.where(closes & (cells == count - 1), 2, cells % 2)
 
-    numbers: NDArray[np.intp] = along(frame.x, frame.box.width, columns) + 3 * along(frame.y, frame.box.height, rows)
+    box = frame.box
+    numbers: NDArray[np.intp] = (along(frame.x, box.width, columns, box.periodic_x)
+                                 + 3 * along(frame.y, box.height, rows, box.periodic_y))
     return numbers
 
 
@@ -208,14 +211,24 @@ def _draw_headings(axes: Any, frame: Frame, places: NDArray[np.float64], radii: 
     dots.set_facecolor(INK)
 
 
+def _border(periodic: bool) -> dict[str, Any]:
+    """Periodic edges are thin and dashed, walls are thick."""
+    return {"linestyle": (0, (4, 3)), "linewidth": 0.6} if periodic else {"linestyle": "-", "linewidth": 1.4}
+
+
 def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None) -> None:
     box = frame.box
     if grid is not None:
         style = {"color": INK, "linewidth": 0.4, "alpha": 0.7}
         axes.vlines(np.arange(1, grid[0]) * box.width / grid[0], 0, box.height, **style)
         axes.hlines(np.arange(1, grid[1]) * box.height / grid[1], 0, box.width, **style)
-    axes.add_patch(Rectangle((0, 0), box.width, box.height, fill=False, linestyle=(0, (4, 3)) if box.periodic else "-", edgecolor=INK,
-                             linewidth=0.6 if box.periodic else 1.4, clip_on=False))
+    if box.periodic_x == box.periodic_y:
+        axes.add_patch(Rectangle((0, 0), box.width, box.height, fill=False, edgecolor=INK, clip_on=False, **_border(box.periodic_x)))
+    else:
+        for x in (0, box.width):
+            axes.plot([x, x], [0, box.height], color=INK, clip_on=False, **_border(box.periodic_x))
+        for y in (0, box.height):
+            axes.plot([0, box.width], [y, y], color=INK, clip_on=False, **_border(box.periodic_y))
     axes.set(xlim=(0, box.width), ylim=(0, box.height), aspect="equal")
     axes.axis("off")
 

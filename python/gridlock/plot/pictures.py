@@ -123,7 +123,8 @@ def _start_of_steps(run: RunDirectory, start: Frame) -> Frame | None:
     if len(frames) == 0 or frames.steps[0] != 0:
         return None
     first = frames[0]
-    return first if not first.box.periodic or "image_x" in first.columns else None
+    crossed = [f"image_{axis}" for axis in "xy" if getattr(first.box, f"periodic_{axis}")]
+    return first if all(image in first.columns for image in crossed) else None
 
 
 def _draw_displacements(artist: _Artist, start: Frame, last: Frame) -> None:
@@ -214,7 +215,7 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
         _draw_last(artist, run, last, colour or "psi6")
     _draw_start(artist, start, 0 if has_protocol else settings["engine"].get("cells", 0), is_before_protocol=has_protocol)
     # The paper's mark of jamming, of its rule between its walls.
-    is_as_in_paper = not start.box.periodic and settings["engine"]["kind"] in ("stepped", "tiled")
+    is_as_in_paper = not start.box.periodic_x and not start.box.periodic_y and settings["engine"]["kind"] in ("stepped", "tiled")
     if has_steps:
         _draw_mean_displacement(artist, run, 0.1 if is_as_in_paper else None)
     if _has(run.path, "levels.csv"):

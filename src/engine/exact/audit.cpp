@@ -47,8 +47,8 @@ bool Dynamics::looks_for_missed_events() const { return size_ <= max_disks_for_a
 void Dynamics::audit_overlaps() const {
   auto const require_gap = [&](Index i, Index j) {
     Vector const d = flight(disks_[i], disks_[j]).at(now_);
-    double const x = box_.is_periodic() ? std::remainder(d.x, box_.width()) : d.x;
-    double const y = box_.is_periodic() ? std::remainder(d.y, box_.height()) : d.y;
+    double const x = box_.is_periodic_x() ? std::remainder(d.x, box_.width()) : d.x;
+    double const y = box_.is_periodic_y() ? std::remainder(d.y, box_.height()) : d.y;
     double const contact = (radius_of(i) + radius_of(j)) * scale();
     double const gap = std::sqrt(x * x + y * y) - contact;
     if (gap >= -tolerance * contact) return;
@@ -65,7 +65,9 @@ void Dynamics::audit_overlaps() const {
     if (box_.is_periodic()) continue;
     auto const [x, y] = position_at(i, now_);
     double const r = radius_of(i) * scale();
-    double const gap = std::min({x - r, box_.width() - r - x, y - r, box_.height() - r - y});
+    double const gap_x = box_.is_periodic_x() ? never : std::min(x - r, box_.width() - r - x);
+    double const gap_y = box_.is_periodic_y() ? never : std::min(y - r, box_.height() - r - y);
+    double const gap = std::min(gap_x, gap_y);
     if (gap >= -tolerance * 2.0 * r) continue;
     throw RunFailure(fmt::format("time {}: disk {} is {:.3g} outside the box", last_event(), id_of(i), -gap));
   }
@@ -86,15 +88,16 @@ void Dynamics::audit_obstacles(Index i) const {
 /// Looks for missed events. No search looks at a pair again before the earlier of the two disks' own events, so until
 /// then the pair must not overlap. Disks that grow are all searched again at the end of the epoch.
 void Dynamics::audit_missed_events() const {
-  double const last_image = box_.is_periodic() ? 1.0 : 0.0;
+  double const last_image_x = box_.is_periodic_x() ? 1.0 : 0.0;
+  double const last_image_y = box_.is_periodic_y() ? 1.0 : 0.0;
   double const last = is_growing() ? epoch_length_ : never;
   for (Index i = 0; i < size_; ++i) {
     for (Index j = 0; j < i; ++j) {
       double const end = std::max(now_, std::min({disks_[i].event_time, disks_[j].event_time, last}));
       RelativeFlight const pair = flight(disks_[i], disks_[j]);
       double const sum = radius_of(i) + radius_of(j);
-      for (double n = -last_image; n <= last_image; n += 1.0) {
-        for (double m = -last_image; m <= last_image; m += 1.0) {
+      for (double n = -last_image_x; n <= last_image_x; n += 1.0) {
+        for (double m = -last_image_y; m <= last_image_y; m += 1.0) {
           Vector const image{n * box_.width(), m * box_.height()};
           double const time = pair.nearest(image, sum, growth_.scale, now_, end);
           double const contact = sum * growth_.scale.at(time);

@@ -326,11 +326,9 @@ void Dynamics::write_at(double t, double scale, State& state) const {
     int crossed_y = 0;
     Vector p =
         box_.wrap(Vector{disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t} + fallen, crossed_x, crossed_y);
-    if (!box_.is_periodic()) {
-      // A disk at a wall may be outside the box by a rounding error.
-      p.x = std::clamp(p.x, radius[row], box_.width() - radius[row]);
-      p.y = std::clamp(p.y, radius[row], box_.height() - radius[row]);
-    }
+    // A disk at a wall may be outside the box by a rounding error.
+    if (!box_.is_periodic_x()) p.x = std::clamp(p.x, radius[row], box_.width() - radius[row]);
+    if (!box_.is_periodic_y()) p.y = std::clamp(p.y, radius[row], box_.height() - radius[row]);
     disks.column<X>()[row] = p.x;
     disks.column<Y>()[row] = p.y;
     disks.column<VelocityX>()[row] = disk.velocity_x + gravity_.x * t;

@@ -20,10 +20,11 @@ inline double wait_for_growth(double a, double b, double c, double squared_conta
   return (b + std::sqrt(b * b - a * gap)) / -a;
 }
 
-/// Returns the shift of a coordinate of a separation that leads to the nearest image.
-inline double shift_to_nearest(double d, double side) {
-  double const down = d > 0.5 * side ? -side : 0.0;
-  return d < -0.5 * side ? side : down;
+/// Returns the shift of a coordinate of a separation that leads to the nearest image; the period is infinite
+/// between walls.
+inline double shift_to_nearest(double d, double period) {
+  double const down = d > 0.5 * period ? -period : 0.0;
+  return d < -0.5 * period ? period : down;
 }
 
 /// The candidate with the earliest collision so far. It defines the result that every kernel must find.
@@ -75,8 +76,7 @@ class EarliestContact {
     MovingDisk const& other = s_.disks[j];
     double const d_x = (other.x - self_.x) + (other.velocity_x - self_.velocity_x) * now_;
     double const d_y = (other.y - self_.y) + (other.velocity_y - self_.velocity_y) * now_;
-    consider(j, s_.is_periodic ? shift_to_nearest(d_x, s_.width) : 0.0,
-             s_.is_periodic ? shift_to_nearest(d_y, s_.height) : 0.0);
+    consider(j, shift_to_nearest(d_x, s_.period_x), shift_to_nearest(d_y, s_.period_y));
   }
 
   [[nodiscard]] Prediction best() const { return best_; }

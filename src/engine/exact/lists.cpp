@@ -64,7 +64,7 @@ void Flight::renew_lists(double time) {
   double const max_scale = is_growing() ? growth_of_lists * scale : 1.0;
   // Kernels read sixteen entries of a list at once, and each neighbour must have one image that is the nearest.
   double const min_side = 3.0 * reach_with(room, max_scale);
-  wants &= size_ >= 16 && !(box_.is_periodic() && std::min(box_.width(), box_.height()) < min_side);
+  wants &= size_ >= 16 && box_.shortest_period() >= min_side;
   if (!wants) {
     if (has_lists()) size_classes_.clear();
     end_lists();
@@ -114,9 +114,9 @@ std::span<Index const> Flight::collect_neighbours(Index i) {
                             .rooms = rooms,
                             // A factor above 1 covers the rounding of places and paths.
                             .scale = lists_.max_scale * (1.0 + 1e-9),
-                            .width = box_.width(),
-                            .height = box_.height(),
-                            .is_periodic = box_.is_periodic()};
+                            .period_x = box_.period_x(),
+                            .period_y = box_.period_y(),
+                            .has_images = box_.has_images()};
   return {names.data(), near_places_.keep(around, names.data(), count)};
 }
 

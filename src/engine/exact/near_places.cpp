@@ -26,9 +26,9 @@ std::size_t keep(PlacesAround const& around, Index* names, std::size_t count) {
     Index const other = names[k];
     double d_x = std::abs(around.places[other].x - around.place.x);
     double d_y = std::abs(around.places[other].y - around.place.y);
-    if (around.is_periodic) {
-      d_x = std::min(d_x, std::abs(around.width - d_x));
-      d_y = std::min(d_y, std::abs(around.height - d_y));
+    if (around.has_images) {
+      d_x = std::min(d_x, std::abs(around.period_x - d_x));
+      d_y = std::min(d_y, std::abs(around.period_y - d_y));
     }
     double const gap_x = positive_part(d_x - around.rooms);
     double const gap_y = positive_part(d_y - around.rooms);

@@ -15,11 +15,11 @@ struct PlacesAround {
   double const* radius;  ///< radii of all disks; nullptr while all are equal
   Place place;           ///< place of the disk that searches
   double own_radius;
-  double rooms;  ///< sum of the rooms of the two disks, in x or y
-  double scale;  ///< factor of all radii
-  double width;
-  double height;
-  bool is_periodic;
+  double rooms;     ///< sum of the rooms of the two disks, in x or y
+  double scale;     ///< factor of all radii
+  double period_x;  ///< distance between the images of a place; infinite between walls
+  double period_y;
+  bool has_images;
 };
 
 /// Indices in a batch, for any width of register.

@@ -46,10 +46,10 @@ GRIDLOCK_AVX512 inline __m512d side_by_side(__m128d a, __m128d b, __m128d c, __m
 }
 
 /// Returns the distance of two places in one direction minus the rooms of both.
-GRIDLOCK_AVX512 inline __m512d gap(__m512d other, double own, double side, PlacesAround const& around) {
+GRIDLOCK_AVX512 inline __m512d gap(__m512d other, double own, double period, PlacesAround const& around) {
   __m512d distance = _mm512_abs_pd(_mm512_sub_pd(other, _mm512_set1_pd(own)));
-  if (around.is_periodic) {
-    distance = _mm512_min_pd(distance, _mm512_abs_pd(_mm512_sub_pd(_mm512_set1_pd(side), distance)));
+  if (around.has_images) {
+    distance = _mm512_min_pd(distance, _mm512_abs_pd(_mm512_sub_pd(_mm512_set1_pd(period), distance)));
   }
   return _mm512_max_pd(_mm512_sub_pd(distance, _mm512_set1_pd(around.rooms)), _mm512_setzero_pd());
 }
@@ -68,8 +68,8 @@ GRIDLOCK_AVX512 std::size_t keep(PlacesAround const& around, Index* names, std::
     };
     __m512d const even = side_by_side(place(0), place(2), place(4), place(6));
     __m512d const odd = side_by_side(place(1), place(3), place(5), place(7));
-    __m512d const gap_x = gap(_mm512_unpacklo_pd(even, odd), around.place.x, around.width, around);
-    __m512d const gap_y = gap(_mm512_unpackhi_pd(even, odd), around.place.y, around.height, around);
+    __m512d const gap_x = gap(_mm512_unpacklo_pd(even, odd), around.place.x, around.period_x, around);
+    __m512d const gap_y = gap(_mm512_unpackhi_pd(even, odd), around.place.y, around.period_y, around);
     __m512d const radius = around.radius == nullptr ? own_radius : side_by_side(radii(0), radii(2), radii(4), radii(6));
     __m512d const contact = _mm512_mul_pd(_mm512_add_pd(own_radius, radius), _mm512_set1_pd(around.scale));
     __m512d const squared_gap = _mm512_add_pd(_mm512_mul_pd(gap_x, gap_x), _mm512_mul_pd(gap_y, gap_y));

@@ -84,12 +84,13 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
   bool const has_place = s.places != nullptr;
   Border const inner = has_place ? Border::of_place : Border::of_cell;
   double const radius = s.radius_of(i);
-  auto const range = [&](double place, double side, double const* limits, std::int32_t index, std::int32_t count) {
+  auto const range = [&](double place, double side, double const* limits, std::int32_t index, std::int32_t count,
+                         bool is_periodic) {
     if (!has_place) {
       bool const is_first = index == 0;
       bool const is_last = index == count - 1;
-      bool const has_lower_wall = is_first && !s.is_periodic;
-      bool const has_upper_wall = is_last && !s.is_periodic;
+      bool const has_lower_wall = is_first && !is_periodic;
+      bool const has_upper_wall = is_last && !is_periodic;
       // A wall is no border of the cell: the disk touches it before its centre gets there.
       return Range{.lower = has_lower_wall ? -never : limits[std::ptrdiff_t{2} * index],
                    .upper = has_upper_wall ? never : limits[std::ptrdiff_t{2} * index + 1],
@@ -101,7 +102,7 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
     }
     double const lower = place - s.room;
     double const upper = place + s.room;
-    if (!s.is_periodic) {
+    if (!is_periodic) {
       return Range{.lower = lower,
                    .upper = upper,
                    .side = side,
@@ -119,18 +120,20 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
                  .has_upper_wall = false};
   };
   Place const place = has_place ? s.places[i] : Place{0.0, 0.0};
-  BorderEvent const vertical = first_border({disk.x, disk.velocity_x, radius, disk.last_hit},
-                                            range(place.x, s.width, s.column_limits, s.cells[i].column, s.columns),
-                                            s.scale, inner, Side::left, Side::right);
-  BorderEvent const horizontal = first_border({disk.y, disk.velocity_y, radius, disk.last_hit},
-                                              range(place.y, s.height, s.row_limits, s.cells[i].row, s.rows), s.scale,
-                                              inner, Side::bottom, Side::top);
+  BorderEvent const vertical =
+      first_border({disk.x, disk.velocity_x, radius, disk.last_hit},
+                   range(place.x, s.width, s.column_limits, s.cells[i].column, s.columns, s.is_periodic_x()), s.scale,
+                   inner, Side::left, Side::right);
+  BorderEvent const horizontal =
+      first_border({disk.y, disk.velocity_y, radius, disk.last_hit},
+                   range(place.y, s.height, s.row_limits, s.cells[i].row, s.rows, s.is_periodic_y()), s.scale, inner,
+                   Side::bottom, Side::top);
   return horizontal.time < vertical.time ? horizontal : vertical;
 }
 
 bool has_room_for_registers(PredictionInput const& s) {
   // With fewer cells the nearest image of a disk may not be the one in the neighbouring cell.
-  return s.neighbours != nullptr || !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
+  return s.neighbours != nullptr || ((!s.is_periodic_x() || s.columns >= 5) && (!s.is_periodic_y() || s.rows >= 5));
 }
 
 std::optional<Predictor> predictor_for(Target target, bool is_growing) {

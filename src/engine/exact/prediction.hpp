@@ -29,7 +29,11 @@ struct PredictionInput {
   std::int32_t rows;
   double width;
   double height;
-  bool is_periodic;
+  double period_x;  ///< distance between the images of a disk; infinite between walls
+  double period_y;
+  double walls[2];  ///< along x and y: 1 between walls, 0 along a periodic axis
+  bool has_images;
+  bool has_walls;
   bool falls = false;                      ///< whether there is gravity
   Vector gravity = {};                     ///< acceleration of every disk
   Scale scale = {};                        ///< factor of all radii
@@ -47,9 +51,11 @@ struct PredictionInput {
     if (list.has_all()) return {list.disks, list.count};
     return long_lists[list.long_list()];
   }
-  /// Returns whether disk i may meet another across the edge of a periodic box.
+  [[nodiscard]] bool is_periodic_x() const { return walls[0] == 0.0; }
+  [[nodiscard]] bool is_periodic_y() const { return walls[1] == 0.0; }
+  /// Returns whether disk i may meet another across a periodic edge.
   [[nodiscard]] bool needs_images(Index i) const {
-    if (!is_periodic) return false;
+    if (!has_images) return false;
     if (places != nullptr) {
       Place const place = places[i];
       return (place.x < margin) | (place.x > width - margin) | (place.y < margin) | (place.y > height - margin);
@@ -120,23 +126,25 @@ struct Bounds {
   double left, right, bottom, top;
 };
 inline Bounds bounds_of(PredictionInput const& s, Index i) {
-  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
-  auto const inside = [r](double coordinate, double side) { return std::min(std::max(coordinate, r), side - r); };
+  double const r = s.has_walls ? s.radius_of(i) : 0.0;
+  double const r_x = r * s.walls[0];
+  double const r_y = r * s.walls[1];
+  auto const in_x = [&](double x) { return std::min(std::max(x, r_x), s.width - r_x); };
+  auto const in_y = [&](double y) { return std::min(std::max(y, r_y), s.height - r_y); };
   if (s.places != nullptr) {
-    return {inside(s.places[i].x - s.room, s.width), inside(s.places[i].x + s.room, s.width),
-            inside(s.places[i].y - s.room, s.height), inside(s.places[i].y + s.room, s.height)};
+    Place const& place = s.places[i];
+    return {in_x(place.x - s.room), in_x(place.x + s.room), in_y(place.y - s.room), in_y(place.y + s.room)};
   }
   double const* const columns = s.column_limits + std::ptrdiff_t{2} * s.cells[i].column;
   double const* const rows = s.row_limits + std::ptrdiff_t{2} * s.cells[i].row;
-  return {inside(columns[0], s.width), inside(columns[1], s.width), inside(rows[0], s.height),
-          inside(rows[1], s.height)};
+  return {in_x(columns[0]), in_x(columns[1]), in_y(rows[0]), in_y(rows[1])};
 }
 
 /// Predicts when disk i, which falls, reaches a border; see predict_border().
 Prediction predict_border_falling(PredictionInput const& prediction_input, Index i, double now);
 
 /// Predicts when disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or
-/// a wall. Contract: the disk does not grow, or the box is periodic.
+/// a wall. Contract: the disk does not grow, or the box has no walls.
 inline Prediction predict_border(PredictionInput const& s, Index i, double now) {
   if (s.falls) [[unlikely]]
     return predict_border_falling(s, i, now);
@@ -152,9 +160,11 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
     x_edge = s.column_limits[std::ptrdiff_t{2} * s.cells[i].column + (is_rightwards ? 1 : 0)];
     y_edge = s.row_limits[std::ptrdiff_t{2} * s.cells[i].row + (is_upwards ? 1 : 0)];
   }
-  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
-  x_edge = std::min(std::max(x_edge, r), s.width - r);
-  y_edge = std::min(std::max(y_edge, r), s.height - r);
+  double const r = s.has_walls ? s.radius_of(i) : 0.0;
+  double const r_x = r * s.walls[0];
+  double const r_y = r * s.walls[1];
+  x_edge = std::min(std::max(x_edge, r_x), s.width - r_x);
+  y_edge = std::min(std::max(y_edge, r_y), s.height - r_y);
   double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
   double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
   // Chosen without a branch, because both borders are equally likely.
@@ -166,7 +176,7 @@ enum class Side { left, right, bottom, top };  // the order of Counters::Wall
 
 enum class Border { of_cell, of_place, edge, wall };
 
-/// The border that a disk has reached. In a periodic box without places, its edge is the border of a cell.
+/// The border that a disk has reached. Without places a periodic edge is the border of a cell.
 struct BorderEvent {
   double time;
   Side side;
@@ -182,14 +192,15 @@ inline BorderEvent border_event(PredictionInput const& s, Index i, Index partner
   double const velocity = is_vertical ? s.disks[i].velocity_x : s.disks[i].velocity_y;
   bool const is_upwards = s.falls ? is_at_upper_border(s, i, is_vertical, now) : velocity > 0.0;
   Side const side = is_vertical ? (is_upwards ? Side::right : Side::left) : (is_upwards ? Side::top : Side::bottom);
-  Border const at_edge = s.is_periodic ? Border::edge : Border::wall;
+  bool const is_periodic = is_vertical ? s.is_periodic_x() : s.is_periodic_y();
+  Border const at_edge = is_periodic ? Border::edge : Border::wall;
   if (s.places == nullptr) {
     std::int32_t const index = is_vertical ? s.cells[i].column : s.cells[i].row;
     std::int32_t const last = is_upwards ? (is_vertical ? s.columns : s.rows) - 1 : 0;
     return {0.0, side, index == last ? at_edge : Border::of_cell};
   }
   double const place = is_vertical ? s.places[i].x : s.places[i].y;
-  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
+  double const r = is_periodic ? 0.0 : s.radius_of(i);
   bool const is_edge = is_upwards ? place + s.room >= (is_vertical ? s.width : s.height) - r : place - s.room <= r;
   return {0.0, side, is_edge ? at_edge : Border::of_place};
 }
@@ -199,7 +210,7 @@ BorderEvent border_event_growing(PredictionInput const& prediction_input, Index 
 
 /// Predicts when a growing disk reaches a border or a wall.
 inline Prediction predict_border_growing(PredictionInput const& s, Index i, double now) {
-  if (s.is_periodic) return predict_border(s, i, now);
+  if (!s.has_walls) return predict_border(s, i, now);
   BorderEvent const border = border_event_growing(s, i);
   bool const is_vertical = border.side == Side::left || border.side == Side::right;
   return {std::max(now, border.time), is_vertical ? vertical_border : horizontal_border};

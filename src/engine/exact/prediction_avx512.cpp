@@ -122,7 +122,7 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s
   __m128d const position = _mm_load_pd(&disk.x);
   __m128d const velocity = _mm_load_pd(&disk.velocity_x);
   __mmask8 const is_upwards = _mm_cmp_pd_mask(velocity, zero, _CMP_GT_OQ);
-  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
+  __m128d const r = _mm_mul_pd(_mm_set1_pd(s.has_walls ? s.radius_of(i) : 0.0), _mm_loadu_pd(s.walls));
   __m128d edge;
   if (s.places != nullptr) {
     __m128d const place = _mm_loadu_pd(&s.places[i].x);
@@ -133,7 +133,7 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s
     edge = _mm_loadh_pd(_mm_load_sd(s.column_limits + std::ptrdiff_t{2} * s.cells[i].column + (upwards & 1U)),
                         s.row_limits + std::ptrdiff_t{2} * s.cells[i].row + (upwards >> 1U));
   }
-  edge = _mm_min_pd(_mm_max_pd(edge, _mm_set1_pd(r)), _mm_set_pd(s.height - r, s.width - r));
+  edge = _mm_min_pd(_mm_max_pd(edge, r), _mm_sub_pd(_mm_loadu_pd(&s.width), r));
   __mmask8 const moves = _mm_cmp_pd_mask(velocity, zero, _CMP_NEQ_OQ);
   __m128d const infinite = _mm_set1_pd(std::numeric_limits<double>::infinity());
   __m128d const time = _mm_mask_div_pd(infinite, moves, _mm_sub_pd(edge, position), velocity);
@@ -159,7 +159,7 @@ template <bool grows>
 GRIDLOCK_AVX512 inline Prediction border_of(PredictionInput const& s, Index i, double now) {
   if (s.falls) [[unlikely]]
     return predict_border_falling(s, i, now);
-  return grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
+  return grows && s.has_walls ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
 }
 
 /// Returns the first event among `best` and the contacts with the candidates. Inlined, it saves 2 % of the time.
@@ -182,8 +182,8 @@ template <bool grows>
     __m512d d_x = _mm512_sub_pd(other.x, _mm512_set1_pd(self.x));
     __m512d d_y = _mm512_sub_pd(other.y, _mm512_set1_pd(self.y));
     if (needs_images) {
-      d_x = _mm512_add_pd(d_x, shifts_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now)), s.width));
-      d_y = _mm512_add_pd(d_y, shifts_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now)), s.height));
+      d_x = _mm512_add_pd(d_x, shifts_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now)), s.period_x));
+      d_y = _mm512_add_pd(d_y, shifts_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now)), s.period_y));
     }
     d_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, begin));
     d_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, begin));

@@ -147,8 +147,8 @@ HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const*
   Vec d_x = hn::Sub(other.x, hn::Set(tag, self.disk.x));
   Vec d_y = hn::Sub(other.y, hn::Set(tag, self.disk.y));
   if (self.needs_images) {
-    d_x = hn::Add(d_x, shifts_to_nearest(hn::Add(d_x, hn::Mul(w_x, time_now)), s.width));
-    d_y = hn::Add(d_y, shifts_to_nearest(hn::Add(d_y, hn::Mul(w_y, time_now)), s.height));
+    d_x = hn::Add(d_x, shifts_to_nearest(hn::Add(d_x, hn::Mul(w_x, time_now)), s.period_x));
+    d_y = hn::Add(d_y, shifts_to_nearest(hn::Add(d_y, hn::Mul(w_y, time_now)), s.period_y));
   }
   d_x = hn::Add(d_x, hn::Mul(w_x, begin));
   d_y = hn::Add(d_y, hn::Mul(w_y, begin));

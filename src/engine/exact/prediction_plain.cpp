@@ -69,8 +69,8 @@ template <bool grows, bool needs_images>
 bool find_times(PredictionInput const& s, Index i, double now, Columns& columns) {
   MovingDisk const self = s.disks[i];
   Scale const scale = s.scale;
-  double const width = s.width;
-  double const height = s.height;
+  double const period_x = s.period_x;
+  double const period_y = s.period_y;
   for (std::size_t k = 0; k < batch; ++k) {
     double const begin = columns.last_hit[k] > self.last_hit ? columns.last_hit[k] : self.last_hit;
     double const w_x = columns.velocity_x[k] - self.velocity_x;
@@ -78,8 +78,8 @@ bool find_times(PredictionInput const& s, Index i, double now, Columns& columns)
     double d_x = columns.x[k] - self.x;
     double d_y = columns.y[k] - self.y;
     if constexpr (needs_images) {
-      d_x = nearest(d_x, w_x, now, width);
-      d_y = nearest(d_y, w_y, now, height);
+      d_x = nearest(d_x, w_x, now, period_x);
+      d_y = nearest(d_y, w_y, now, period_y);
     }
     d_x += w_x * begin;
     d_y += w_y * begin;

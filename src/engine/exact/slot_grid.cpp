@@ -28,7 +28,7 @@ std::vector<double> limits(int count, double side, double margin) {
 
 SlotGrid::SlotGrid(CellLayout const& layout, Box const& box, double reach)
     : layout_(layout),
-      is_periodic_(box.is_periodic()),
+      has_images_(box.has_images()),
       columns_(layout.columns()),
       rows_(layout.rows()),
       stride_(static_cast<std::size_t>(columns_) + 2),
@@ -47,7 +47,7 @@ void SlotGrid::insert(Index disk, std::int32_t column, std::int32_t row) {
     }
     double_capacity();
   }
-  if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
+  if (has_images_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
 }
 
 void SlotGrid::erase(Index disk, std::int32_t column, std::int32_t row) {
@@ -58,7 +58,7 @@ void SlotGrid::erase(Index disk, std::int32_t column, std::int32_t row) {
   Index* const end = std::find(found, first + capacity_, no_disk);
   *found = *(end - 1);
   *(end - 1) = no_disk;
-  if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
+  if (has_images_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
 }
 
 void SlotGrid::rename(std::vector<Index> const& new_number) {
@@ -68,10 +68,13 @@ void SlotGrid::rename(std::vector<Index> const& new_number) {
 }
 
 void SlotGrid::copy_to_ghosts(std::int32_t column, std::int32_t row) {
-  // Writes each image of the cell in the ring of ghosts; in a box one cell wide a cell has images on both sides.
+  // Writes each image of the cell in the ring of ghosts; in a box one cell wide a cell has images on both sides. Beyond
+  // walls there are none.
   Index const* const original = slots_.data() + first_slot_of(column, row);
-  for (std::int32_t const r : {row - rows_, row, row + rows_}) {
-    for (std::int32_t const c : {column - columns_, column, column + columns_}) {
+  std::int32_t const around_x = layout_.is_periodic_x() ? columns_ : 0;
+  std::int32_t const around_y = layout_.is_periodic_y() ? rows_ : 0;
+  for (std::int32_t const r : {row - around_y, row, row + around_y}) {
+    for (std::int32_t const c : {column - around_x, column, column + around_x}) {
       bool const is_ghost = (r != row || c != column) && r >= -1 && r <= rows_ && c >= -1 && c <= columns_;
       if (is_ghost) std::copy_n(original, capacity_, slots_.data() + first_slot_of(c, r));
     }

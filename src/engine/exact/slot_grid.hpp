@@ -19,8 +19,8 @@ namespace gridlock::exact {
 /// three short runs of memory.
 ///
 ///     ┌────┬────┬────┬────┐   one row of slots: 3 cells × 4 slots = 48 bytes in a run
-///     │ ·· │ 07 │ 3· │ ·· │   dotted: empty. The outermost cells are ghosts: copies of the other side in a
-///     └────┴────┴────┴────┘   periodic box, empty behind a wall; no search has to look where the box ends.
+///     │ ·· │ 07 │ 3· │ ·· │   dotted: empty. The outermost cells are ghosts: copies of the other side behind
+///     └────┴────┴────┴────┘   periodic edges, empty behind a wall; no search has to look where the box ends.
 ///
 /// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or
 /// cells larger, a cell that runs full doubles the slots of all cells.
@@ -70,8 +70,8 @@ class SlotGrid {
   /// `lower` and `upper`. There are no cells beyond walls.
   template <class Visit>
   void for_each_run(Vector lower, Vector upper, Visit visit) const {
-    Range const columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_);
-    Range const rows = range(lower.y, upper.y, layout_.rows_per_length(), rows_);
+    Range const columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_, layout_.is_periodic_x());
+    Range const rows = range(lower.y, upper.y, layout_.rows_per_length(), rows_, layout_.is_periodic_y());
     for (std::int32_t row = rows.first; row < rows.end; ++row) {
       std::int32_t const inside_row = wrapped(row, rows_);
       for (std::int32_t column = columns.first; column < columns.end;) {
@@ -99,11 +99,11 @@ class SlotGrid {
     std::int32_t first;
     std::int32_t end;
   };
-  [[nodiscard]] Range range(double lower, double upper, double cells_per_length, std::int32_t count) const {
+  static Range range(double lower, double upper, double cells_per_length, std::int32_t count, bool is_periodic) {
     auto const most = static_cast<double>(count);
     auto const first = static_cast<std::int32_t>(std::clamp(std::floor(lower * cells_per_length), -most, 2.0 * most));
     auto const last = static_cast<std::int32_t>(std::clamp(std::floor(upper * cells_per_length), -most, 2.0 * most));
-    if (!is_periodic_) return {std::clamp(first, 0, count - 1), std::clamp(last, 0, count - 1) + 1};
+    if (!is_periodic) return {std::clamp(first, 0, count - 1), std::clamp(last, 0, count - 1) + 1};
     if (last - first >= count - 1) return {0, count};
     return {first, last + 1};
   }
@@ -121,7 +121,7 @@ class SlotGrid {
   void double_capacity();
 
   CellLayout layout_;
-  bool is_periodic_ = false;
+  bool has_images_ = false;
   std::int32_t columns_ = 0;
   std::int32_t rows_ = 0;
   std::size_t stride_ = 0;

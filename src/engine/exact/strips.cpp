@@ -94,7 +94,7 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
   plan_ = plan;
   double const height = box_.height() / static_cast<double>(plan.count);
   middle_ = (static_cast<double>(self) + 0.5) * height;
-  period_ = box_.is_periodic() ? box_.height() : never;
+  period_ = box_.period_y();
   double const deepest = 0.5 * height + plan.reach + plan.margin;
   original_.clear();
   std::vector<Index> copies;
@@ -320,7 +320,7 @@ void Strips::begin(Flight const& whole, StripPlan const& plan, double time) {
   time_ = time;
   contact_ = 2.0 * whole.largest_radius_;
   height_ = whole.box_.height();
-  is_periodic_ = whole.box_.is_periodic();
+  is_periodic_ = whole.box_.is_periodic_y();
   owner_.resize(whole.size_);
   place_.resize(whole.size_);
   while (strips_.size() > plan.count) strips_.pop_back();

@@ -23,7 +23,7 @@ double mean_diameter(State const& state) {
 double distance_of_neighbours(State const& state) {
   double const density = static_cast<double>(state.agents.size()) / state.box.area();
   double const distance = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
-  return state.box.is_periodic() ? std::min(distance, 0.5 * std::min(state.box.width(), state.box.height())) : distance;
+  return std::min(distance, 0.5 * state.box.shortest_period());
 }
 
 /// Returns exp(6 i θ) for the angle θ of a vector that is not zero.

@@ -107,8 +107,8 @@ void SwapTrials::swap(Trial const& trial, SwapCounts& counts) {
 }
 
 bool SwapTrials::is_inside(Vector p, double radius) const {
-  if (box_.is_periodic()) return true;
-  return p.x >= radius && p.x <= box_.width() - radius && p.y >= radius && p.y <= box_.height() - radius;
+  return (box_.is_periodic_x() || (p.x >= radius && p.x <= box_.width() - radius)) &&
+         (box_.is_periodic_y() || (p.y >= radius && p.y <= box_.height() - radius));
 }
 
 inline bool SwapTrials::overlaps(Vector p, double radius, std::uint32_t j) const {

@@ -34,8 +34,8 @@ class Sets {
 
 bool may_meet(CellLayout const& layout, int cell, int other, int reach) {
   int const columns = layout.columns();
-  return apart(cell % columns, other % columns, columns, layout.is_periodic()) <= 2 * reach &&
-         apart(cell / columns, other / columns, layout.rows(), layout.is_periodic()) <= 2 * reach;
+  return apart(cell % columns, other % columns, columns, layout.is_periodic_x()) <= 2 * reach &&
+         apart(cell / columns, other / columns, layout.rows(), layout.is_periodic_y()) <= 2 * reach;
 }
 
 LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, int reach) {
@@ -49,7 +49,7 @@ LateGroups groups_of(CellLayout const& layout, std::span<LateDisk const> disks, 
   for (std::size_t n = 0; n < count; ++n) {
     for (std::size_t m = n + 1; m < n + count; ++m) {
       std::size_t const other = by_row[m % count];
-      if (m >= count && !layout.is_periodic()) break;
+      if (m >= count && !layout.is_periodic_y()) break;
       int const row = row_of(other) + (m >= count ? layout.rows() : 0);
       if (row - row_of(by_row[n]) > 2 * reach) break;
       if (may_meet(layout, disks[by_row[n]].cell, disks[other].cell, reach)) sets.join(by_row[n], other);

@@ -14,7 +14,7 @@ namespace {
 
 /// Returns whether a tile is its own neighbour around a periodic box: cells three apart may share a neighbour.
 bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
-  return layout.is_periodic() && (tiling.columns() == 1 || tiling.rows() == 1);
+  return (layout.is_periodic_x() && tiling.columns() == 1) || (layout.is_periodic_y() && tiling.rows() == 1);
 }
 
 /// Returns the number of tiles that take turns together. Registers of one or two numbers are full with one tile, and

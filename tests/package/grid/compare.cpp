@@ -29,8 +29,8 @@ Pairs by_brute_force(Box const& box, double cutoff, std::vector<double> const& x
   Pairs pairs;
   for (std::size_t i = 0; i < x.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      double const dx = nearest_image(x[j] - x[i], box.width(), box.edge());
-      double const dy = nearest_image(y[j] - y[i], box.height(), box.edge());
+      double const dx = nearest_image(x[j] - x[i], box.width(), box.edge_x());
+      double const dy = nearest_image(y[j] - y[i], box.height(), box.edge_y());
       if (std::hypot(dx, dy) < cutoff) pairs[{i, j}] = {dx, dy};
     }
   }

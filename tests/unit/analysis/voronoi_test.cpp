@@ -50,6 +50,41 @@ TEST(VoronoiCells, HoldExactlyThePlacesThatAreNearest) {
   }
 }
 
+TEST(VoronoiCells, InAChannelAreThoseOfAPeriodicBoxWithTheirMirrorImages) {
+  // A wall is the bisector of a point and its mirror image.
+  for (bool const is_upright : {false, true}) {
+    Box const channel =
+        is_upright ? Box(0.7, 1.3, Edge::wall, Edge::periodic) : Box(1.3, 0.7, Edge::periodic, Edge::wall);
+    Box const doubled(is_upright ? 1.4 : 1.3, is_upright ? 1.3 : 1.4, Edge::periodic);
+    for (std::size_t const count : {1UL, 2UL, 3UL, 10UL, 200UL}) {
+      RandomPoints const points(count, channel.width(), channel.height());
+      std::vector<double> x;
+      std::vector<double> y;
+      for (int const mirrored : {0, 1}) {
+        for (std::size_t i = 0; i < count; ++i) {
+          x.push_back(is_upright && mirrored == 1 ? 1.4 - points[i].x : points[i].x);
+          y.push_back(!is_upright && mirrored == 1 ? 1.4 - points[i].y : points[i].y);
+        }
+      }
+      VoronoiCells const cells = find_voronoi_cells(channel, points.view());
+      VoronoiCells const expected = find_voronoi_cells(doubled, {.x = x.data(), .y = y.data(), .count = 2 * count});
+      EXPECT_NEAR(sum(cells.areas), channel.area(), 1e-12);
+      for (std::size_t i = 0; i < count; ++i) {
+        EXPECT_NEAR(cells.areas[i], expected.areas[i], 1e-12);
+        auto const neighbours_of = [&](VoronoiCells const& some) {
+          std::vector<std::uint32_t> found;
+          for (std::uint64_t k = some.neighbours.begin[i]; k < some.neighbours.begin[i + 1]; ++k) {
+            if (some.neighbours.neighbours[k] < count) found.push_back(some.neighbours.neighbours[k]);
+          }
+          std::ranges::sort(found);
+          return found;
+        };
+        EXPECT_EQ(neighbours_of(cells), neighbours_of(expected));
+      }
+    }
+  }
+}
+
 TEST(VoronoiCells, OfFewPointsInBoxesOfAnyShapeAreCutByAllOthers) {
   for (double const height : {0.07, 0.3, 0.5, 0.7, 1.4, 2.2, 3.5, 9.0}) {
     for (std::size_t count = 2; count <= 24; ++count) {
@@ -62,8 +97,9 @@ TEST(VoronoiCells, OfFewPointsInBoxesOfAnyShapeAreCutByAllOthers) {
           VoronoiPolygon polygon;
           Vector const half{0.5, 0.5 * height};
           Vector const p = points[i];
-          edge == Edge::periodic ? polygon.begin(-1.0 * half, half, 0)
-                                 : polygon.begin(-1.0 * p, Vector{1.0, height} - p, VoronoiPolygon::nobody);
+          edge == Edge::periodic
+              ? polygon.begin(-1.0 * half, half, 0, 0)
+              : polygon.begin(-1.0 * p, Vector{1.0, height} - p, VoronoiPolygon::nobody, VoronoiPolygon::nobody);
           for (std::size_t other = 0; other < count; ++other) {
             for (int m = -images; m <= images; ++m) {
               for (int n = -images; n <= images; ++n) {

@@ -130,6 +130,55 @@ TEST(Box, DisplacementInsideHasTheBitsOfDisplacement) {
   }
 }
 
+TEST(Box, TreatsEachAxisAsABoxOfItsOwnEdgeDoesToTheLastBit) {
+  RandomStream random(8, 0, 0, Purpose::start_position);
+  for (int n = 0; n < 40000; ++n) {
+    double const width = 0.1 + 3.0 * random.uniform();
+    double const height = 0.1 + random.uniform();
+    Edge const edge_x = random.below(2) == 0 ? Edge::wall : Edge::periodic;
+    Edge const edge_y = random.below(2) == 0 ? Edge::wall : Edge::periodic;
+    Box const box(width, height, edge_x, edge_y);
+    Box const like_x(width, height, edge_x);
+    Box const like_y(width, height, edge_y);
+    double const boxes = n % 2 == 0 ? 1.0 : 5.0;
+    auto const any_point = [&] {
+      return Vector{(boxes * random.uniform() - 0.4 * (boxes - 1.0)) * width,
+                    (boxes * random.uniform() - 0.4 * (boxes - 1.0)) * height};
+    };
+    Vector const a = any_point();
+    Vector const b = any_point();
+    ASSERT_EQ(bits(box.displacement(a, b).x), bits(like_x.displacement(a, b).x));
+    ASSERT_EQ(bits(box.displacement(a, b).y), bits(like_y.displacement(a, b).y));
+    if (boxes == 1.0) {
+      ASSERT_EQ(bits(box.displacement_inside(a, b).x), bits(like_x.displacement_inside(a, b).x));
+      ASSERT_EQ(bits(box.displacement_inside(a, b).y), bits(like_y.displacement_inside(a, b).y));
+    }
+    Vector const near{a.x + (random.uniform() - 0.5) * width, a.y + (random.uniform() - 0.5) * height};
+    if (boxes != 1.0) continue;
+    int crossed[6] = {};
+    Vector const wrapped = box.wrap(near, crossed[0], crossed[1]);
+    ASSERT_EQ(bits(wrapped.x), bits(like_x.wrap(near, crossed[2], crossed[3]).x));
+    ASSERT_EQ(bits(wrapped.y), bits(like_y.wrap(near, crossed[4], crossed[5]).y));
+    ASSERT_EQ(crossed[0], crossed[2]);
+    ASSERT_EQ(crossed[1], crossed[5]);
+  }
+}
+
+TEST(Box, KnowsItsEdgesByNumberAndByWords) {
+  std::array<char const*, 4> const words{"walled", "periodic", "x-periodic, y-walled", "x-walled, y-periodic"};
+  for (std::uint64_t number = 0; number < words.size(); ++number) {
+    Box const box = box_with_edges(2.0, 1.0, number);
+    EXPECT_EQ(number_of_edges(box), number);
+    EXPECT_EQ(edges_in_words(box), words[number]);
+    EXPECT_EQ(box.has_images(), number != 0);
+    EXPECT_EQ(box.has_walls(), number != 1);
+    EXPECT_EQ(box.period_x(), box.is_periodic_x() ? 2.0 : infinity);
+    EXPECT_EQ(box.period_y(), box.is_periodic_y() ? 1.0 : infinity);
+    EXPECT_EQ(box.shortest_period(), std::min(box.period_x(), box.period_y()));
+  }
+  EXPECT_THROW(static_cast<void>(box_with_edges(1.0, 1.0, 4)), Error);
+}
+
 TEST(ImageInside, LiesInTheBoxForAnyFiniteCoordinate) {
   EXPECT_EQ(image_inside(0.25, 1.0), 0.25);
   EXPECT_EQ(image_inside(-0.25, 1.0), 0.75);

@@ -59,6 +59,10 @@ TEST(StateHash, ChangesWithBoxClockAndSeed) {
   expect_new(state);
   state.box = Box(2.0, 1.0, Edge::periodic);
   expect_new(state);
+  state.box = Box(1.0, 2.0, Edge::periodic, Edge::wall);
+  expect_new(state);
+  state.box = Box(1.0, 2.0, Edge::wall, Edge::periodic);
+  expect_new(state);
   state = small_state();
   ++state.clock.step;
   expect_new(state);

@@ -36,6 +36,18 @@ TEST(Temperature, InAPeriodicBoxDoesNotFeelACommonDrift) {
   EXPECT_NEAR(common, 0.0, 1e-12);
 }
 
+TEST(Temperature, InAChannelLeavesOutTheMotionOfTheCentreAlongIt) {
+  // P = (2, 3), M = 4: along x 4/8 is not thermal, and three of four degrees of freedom are left.
+  State state = pair_of_disks(Edge::periodic, {2, 0}, {0, 1});
+  state.box = Box(1, 1, Edge::periodic, Edge::wall);
+  EXPECT_DOUBLE_EQ(*temperature(state), (3.5 - 0.5) / 1.5);
+  state.box = Box(1, 1, Edge::wall, Edge::periodic);
+  EXPECT_DOUBLE_EQ(*temperature(state), (3.5 - 9.0 / 8.0) / 1.5);
+  State one = empty_state(Box(1, 1, Edge::periodic, Edge::wall));
+  add_disk(one, {0.5, 0.5}, {3, 2});
+  EXPECT_DOUBLE_EQ(*temperature(one), 4.0) << "m vy² is kT, and vx is that of the centre";
+}
+
 TEST(Temperature, IsAbsentWhereNothingMovesFreely) {
   EXPECT_FALSE(temperature(empty_state(Box(1, 1, Edge::wall))));
   EXPECT_FALSE(temperature(empty_state(Box(1, 1, Edge::periodic))));

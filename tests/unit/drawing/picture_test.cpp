@@ -266,8 +266,8 @@ TEST(Picture, IsAsHighAsTheBoxButForTheMargins) {
 }
 
 /// How many pieces of line the edge of an empty box consists of: runs of coloured pixels in the row that has the most.
-std::size_t pieces_of_edge(Edge edge) {
-  PicturePixels const picture = picture_pixels(State{.box = Box(1.0, 1.0, edge)}, {.width = 400});
+std::size_t pieces_of_edge(Edge edge_x, Edge edge_y) {
+  PicturePixels const picture = picture_pixels(State{.box = Box(1.0, 1.0, edge_x, edge_y)}, {.width = 400});
   std::size_t most = 0;
   std::size_t pieces = 0;
   for (std::uint32_t row = 0; row < picture.height; ++row) {
@@ -291,8 +291,10 @@ std::size_t pieces_of_edge(Edge edge) {
 }
 
 TEST(Picture, OfPixelsHasAWholeLineForWallsAndADashedOneForPeriodicEdges) {
-  EXPECT_EQ(pieces_of_edge(Edge::wall), 1U);
-  EXPECT_GT(pieces_of_edge(Edge::periodic), 10U);
+  EXPECT_EQ(pieces_of_edge(Edge::wall, Edge::wall), 1U);
+  EXPECT_GT(pieces_of_edge(Edge::periodic, Edge::periodic), 10U);
+  EXPECT_EQ(pieces_of_edge(Edge::periodic, Edge::wall), 1U) << "the floor and the lid of a channel";
+  EXPECT_GT(pieces_of_edge(Edge::wall, Edge::periodic), 10U);
 }
 
 TEST(Picture, OfPixelsHasDisksWithoutOutlines) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "gridlock/core/random.hpp"
@@ -37,13 +38,13 @@ TEST(NearPlaces, CollectsTheNamesInSlotsWithEveryTarget) {
 /// One by one, with the branches that kernels do without.
 std::vector<Index> near_ones(PlacesAround const& around, std::vector<Index> names) {
   std::erase_if(names, [&](Index name) {
-    auto const gap = [&](double d, double side) {
+    auto const gap = [&](double d, double period) {
       double const direct = std::abs(d);
-      double const distance = around.is_periodic ? std::min(direct, std::abs(side - direct)) : direct;
+      double const distance = std::min(direct, std::abs(period - direct));
       return distance > around.rooms ? distance - around.rooms : 0.0;
     };
-    double const x = gap(around.places[name].x - around.place.x, around.width);
-    double const y = gap(around.places[name].y - around.place.y, around.height);
+    double const x = gap(around.places[name].x - around.place.x, around.period_x);
+    double const y = gap(around.places[name].y - around.place.y, around.period_y);
     double const radius = around.radius != nullptr ? around.radius[name] : around.own_radius;
     double const contact = (around.own_radius + radius) * around.scale;
     return !(x * x + y * y <= contact * contact);
@@ -53,6 +54,7 @@ std::vector<Index> near_ones(PlacesAround const& around, std::vector<Index> name
 
 TEST(NearPlaces, KeepsThoseThatAreNearWithEveryTarget) {
   RandomStream random(12, 0, 0, Purpose::start_position);
+  constexpr double infinite = std::numeric_limits<double>::infinity();  // between walls
   std::size_t kept = 0;
   for (std::size_t count = 0; count <= 40; ++count) {
     for (int scene = 0; scene < 8; ++scene) {
@@ -73,9 +75,9 @@ TEST(NearPlaces, KeepsThoseThatAreNearWithEveryTarget) {
                                 .own_radius = 0.125,
                                 .rooms = scene % 3 == 0 ? 0.0 : 0.05,
                                 .scale = 1.0 + 1e-9,
-                                .width = 2.0,
-                                .height = 1.0,
-                                .is_periodic = scene >= 4};
+                                .period_x = scene >= 4 && scene != 6 ? 2.0 : infinite,
+                                .period_y = scene >= 4 && scene != 7 ? 1.0 : infinite,
+                                .has_images = scene >= 4};
       std::vector<Index> const expected = near_ones(around, names);
       kept += expected.size();
       for (Target const target : available_targets()) {

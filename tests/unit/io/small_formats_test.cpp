@@ -101,7 +101,13 @@ TEST(Cut, FallsBetweenTheCharactersOfUtf8) {
 }
 
 TEST(NeighbourhoodColour, AnAxisOfOneCellNeedsOneColour) {
-  for (bool const is_periodic : {false, true}) EXPECT_EQ(neighbourhood_colour(0, 0, 1, 1, is_periodic), 0);
+  for (bool const is_periodic : {false, true}) EXPECT_EQ(neighbourhood_colour(0, 0, 1, 1, is_periodic, is_periodic), 0);
+}
+
+TEST(NeighbourhoodColour, ThreeColoursAreForTheAxisThatGoesAround) {
+  EXPECT_EQ(neighbourhood_colour(2, 2, 3, 3, true, true), 2 + 3 * 2);
+  EXPECT_EQ(neighbourhood_colour(2, 2, 3, 3, true, false), 2);
+  EXPECT_EQ(neighbourhood_colour(2, 2, 3, 3, false, true), 3 * 2);
 }
 
 TEST(NearestName, OfAShortWordIsNoneWhereEveryLetterDiffers) {

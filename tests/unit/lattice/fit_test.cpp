@@ -7,6 +7,7 @@
 #include <set>
 
 #include "gridlock/lattice/start.hpp"
+#include "reference/random_scene.hpp"
 
 namespace {
 
@@ -22,11 +23,11 @@ double largest_radius_by_brute_force(Box const& box, std::vector<Vector> const& 
     for (std::size_t j = 0; j < i; ++j) {
       smallest = std::min(smallest, 0.5 * std::sqrt(squared_length(box.displacement(sites[i], sites[j]))));
     }
-    if (!box.is_periodic()) {
-      smallest = std::min({smallest, sites[i].x, sites[i].y, box.width() - sites[i].x, box.height() - sites[i].y});
-    }
+    if (!box.is_periodic_x()) smallest = std::min({smallest, sites[i].x, box.width() - sites[i].x});
+    if (!box.is_periodic_y()) smallest = std::min({smallest, sites[i].y, box.height() - sites[i].y});
   }
-  return box.is_periodic() ? std::min({smallest, 0.5 * box.width(), 0.5 * box.height()}) : smallest;
+  if (box.is_periodic_x()) smallest = std::min(smallest, 0.5 * box.width());
+  return box.is_periodic_y() ? std::min(smallest, 0.5 * box.height()) : smallest;
 }
 
 std::vector<Vector> sites_of(LatticeFit const& fit) {
@@ -63,9 +64,9 @@ TEST(TriangularLattice, InACommensuratePeriodicBoxReachesClosestPacking) {
 }
 
 TEST(EveryLattice, HasAsManySitesAsAskedForAndFitsWithTheRadiusItNames) {
-  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+  gridlock::reference::for_each_edges([](Edge edge_x, Edge edge_y) {
     for (auto const& [width, height] : {std::pair{1.0, 1.0}, {3.0, 1.0}, {0.7, 2.9}}) {
-      Box const box(width, height, edge);
+      Box const box(width, height, edge_x, edge_y);
       for (std::uint64_t count = 1; count <= 130; ++count) {
         for (auto const fit_lattice : {gridlock::fit_square_lattice, gridlock::fit_triangular_lattice}) {
           LatticeFit const fit = fit_lattice(box, count);
@@ -81,6 +82,18 @@ TEST(EveryLattice, HasAsManySitesAsAskedForAndFitsWithTheRadiusItNames) {
         }
       }
     }
+  });
+}
+
+// Rows of 6 around the box, 8 of them between walls 7 · a √3/2 + a apart: the closest packing of such a channel.
+TEST(TriangularLattice, InACommensurateChannelIsTheClosest) {
+  double const width = 6.0;
+  double const height = 7.0 * std::sqrt(0.75) + 1.0;
+  for (Box const& box :
+       {Box(width, height, Edge::periodic, Edge::wall), Box(height, width, Edge::wall, Edge::periodic)}) {
+    LatticeFit const fit = fit_triangular_lattice(box, 48);
+    EXPECT_NEAR(fit.radius, 0.5, 1e-12);
+    EXPECT_EQ(fit.available, 48U);
   }
 }
 

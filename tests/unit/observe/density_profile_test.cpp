@@ -58,14 +58,16 @@ TEST(DensityProfile, GivesEachStripThePartOfADiskInsideIt) {
 }
 
 TEST(DensityProfile, ADiskAcrossAPeriodicEdgeCoversStripsOnBothSides) {
-  State state = empty_state(Box(3.0, 4.0, Edge::periodic));
-  add_disk(state, {1.0, 0.25}, {}, 0.5);
-  auto const covered = profile_of({state}, Axis::y, 4).columns_of_values[3];
-  double const beyond = 0.25 * (pi / 3.0 - std::sqrt(3.0) / 4.0);  // a cap of half the radius
-  EXPECT_NEAR(covered[0], (pi / 4.0 - beyond) / 3.0, 1e-14);
-  EXPECT_EQ(covered[1], 0.0);
-  EXPECT_EQ(covered[2], 0.0);
-  EXPECT_NEAR(covered[3], beyond / 3.0, 1e-14);
+  for (Edge const edge_x : {Edge::periodic, Edge::wall}) {
+    State state = empty_state(Box(3.0, 4.0, edge_x, Edge::periodic));
+    add_disk(state, {1.0, 0.25}, {}, 0.5);
+    auto const covered = profile_of({state}, Axis::y, 4).columns_of_values[3];
+    double const beyond = 0.25 * (pi / 3.0 - std::sqrt(3.0) / 4.0);  // a cap of half the radius
+    EXPECT_NEAR(covered[0], (pi / 4.0 - beyond) / 3.0, 1e-14);
+    EXPECT_EQ(covered[1], 0.0);
+    EXPECT_EQ(covered[2], 0.0);
+    EXPECT_NEAR(covered[3], beyond / 3.0, 1e-14);
+  }
 }
 
 TEST(DensityProfile, ItsMeanIsThatOfTheBoxInOblongBoxesOfEitherEdge) {

@@ -32,6 +32,22 @@ TEST(ProbabilityOfNearerPoints, BetweenWallsIsTheIntegralOverTheOverlapOfShifted
   }
 }
 
+TEST(ProbabilityOfNearerPoints, InAChannelIsThatOfRandomPairs) {
+  RandomStream random(5, 0, 0, Purpose::start_position);
+  for (Box const& box : {Box(1.3, 0.7, Edge::periodic, Edge::wall), Box(1.3, 0.7, Edge::wall, Edge::periodic)}) {
+    constexpr int pairs = 400'000;
+    double const r = 0.33;
+    int nearer = 0;
+    for (int n = 0; n < pairs; ++n) {
+      Vector const a{box.width() * random.uniform(), box.height() * random.uniform()};
+      Vector const b{box.width() * random.uniform(), box.height() * random.uniform()};
+      nearer += squared_length(box.displacement(a, b)) < r * r ? 1 : 0;
+    }
+    double const expected = probability_of_nearer_points(box, r);
+    EXPECT_NEAR(static_cast<double>(nearer) / pairs, expected, 4.0 * std::sqrt(expected * (1.0 - expected) / pairs));
+  }
+}
+
 TEST(ProbabilityOfNearerPoints, InTheUnitSquareHasTheKnownValueAtDistanceOne) {
   EXPECT_NEAR(probability_of_nearer_points(Box(1, 1, Edge::wall), 1.0), std::numbers::pi - 13.0 / 6.0, 1e-15);
 }
@@ -79,6 +95,11 @@ TEST(PairCorrelation, OfAnIdealGasIsOneBetweenWalls) {
   expect_one_for_an_ideal_gas(Box(1.0, 1.4, Edge::wall), 400);
   // Up to half the side, where a third of the disks has no full circle around it.
   expect_one_for_an_ideal_gas(Box(0.5, 0.5, Edge::wall), 100);
+}
+
+TEST(PairCorrelation, OfAnIdealGasIsOneInAChannel) {
+  expect_one_for_an_ideal_gas(Box(1.3, 0.8, Edge::periodic, Edge::wall), 150);
+  expect_one_for_an_ideal_gas(Box(1.3, 0.8, Edge::wall, Edge::periodic), 150);
 }
 
 TEST(PairCorrelation, OfFewPointsIsOneToo) { expect_one_for_an_ideal_gas(Box(0.7, 0.7, Edge::periodic), 40); }

@@ -78,6 +78,32 @@ TEST(Pressure, OfWallsIsImpulsePerTimeAndLength) {
   EXPECT_DOUBLE_EQ(cell(pressure, row, "wall_pressure"), 96 / (4.0 * 10));
 }
 
+TEST(Pressure, InAChannelIsThatOfTheWallsThatThereAre) {
+  struct Case {
+    Box box;
+    std::size_t wall;
+    char const* name;
+    double length;
+    char const* absent;
+  };
+  for (Case const& c :
+       {Case{Box(3, 2, Edge::periodic, Edge::wall), Counters::top, "wall_pressure_top", 3.0, "left"},
+        Case{Box(3, 2, Edge::wall, Edge::periodic), Counters::right, "wall_pressure_right", 2.0, "top"}}) {
+    State state = two_disks(c.box);
+    Pressure pressure;
+    pressure.begin({state, {}});
+    for (ColumnInfo const& column : pressure.columns()) {
+      EXPECT_NE(column.name, std::string("wall_pressure_") + c.absent);
+    }
+    state.clock.time = 4.0;
+    Counters counters;
+    counters.wall_impulse[c.wall] = 24.0;
+    auto const row = sample(pressure, state, counters);
+    EXPECT_DOUBLE_EQ(cell(pressure, row, c.name), 24.0 / (4.0 * c.length));
+    EXPECT_DOUBLE_EQ(cell(pressure, row, "wall_pressure"), 24.0 / (4.0 * 2.0 * c.length));
+  }
+}
+
 TEST(Pressure, OneDiskBetweenWallsObeysTheVirialTheorem) {
   // A disk with |v_x| = 2 hits left and right once each in the period 2(L − 2R)/|v_x|, with impulse 2 m |v_x|; in y the
   // same with |v_y| = 1. Over whole periods of both: P L (L − 2R) = K.

@@ -52,6 +52,23 @@ TEST(TemperatureByKind, BetweenWallsIsTheMeanOfMassTimesSquaredVelocityOfEachKin
   EXPECT_DOUBLE_EQ(kt('y', 3), 12.0);
 }
 
+TEST(TemperatureByKind, InAChannelIsThatOfAPeriodicBoxAlongItAndThatOfWallsAcross) {
+  State state = three_kinds(Edge::wall);
+  Temperatures const walls(state);
+  state.box = Box(3.0, 2.0, Edge::periodic);
+  Temperatures const periodic(state);
+  state.box = Box(3.0, 2.0, Edge::periodic, Edge::wall);
+  Temperatures const channel(state);
+  state.box = Box(3.0, 2.0, Edge::wall, Edge::periodic);
+  Temperatures const upright(state);
+  for (int const kind : {0, 1, 2, 3}) {
+    EXPECT_EQ(channel('x', kind), periodic('x', kind));
+    EXPECT_EQ(channel('y', kind), walls('y', kind));
+    EXPECT_EQ(upright('x', kind), walls('x', kind));
+    EXPECT_EQ(upright('y', kind), periodic('y', kind));
+  }
+}
+
 TEST(TemperatureByKind, TheMeanOfBothDirectionsIsTheTemperature) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     State const state = three_kinds(edge);

@@ -222,6 +222,7 @@ class WithNumber final : public Archive {
       : archive_(archive), name_(name), number_(number) {}
 
   [[nodiscard]] bool is_restoring() const override { return archive_.is_restoring(); }
+  [[nodiscard]] bool has(std::string_view name) const override { return archive_.has(name); }
   void enter(std::string_view name) override { archive_.enter(name); }
   void leave() override { archive_.leave(); }
   void visit(std::string_view name, std::uint64_t& value) override {

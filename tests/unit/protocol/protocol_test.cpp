@@ -182,6 +182,17 @@ TEST(Protocol, RefusesToDecompressDisksThatDoNotPress) {
   EXPECT_NO_THROW(Protocol({.stages = {{.kind = "decompress", .until_pressure = 1e-4}}}, state));
 }
 
+TEST(Protocol, RefusesSoftDisksInAChannelBeforeItBegins) {
+  State state = make_start(Box(1.3, 0.9, Edge::periodic, Edge::wall), {.count = 30, .packing_fraction = 0.3}, 1);
+  try {
+    Protocol const protocol({.stages = {{.kind = "swap", .sweeps = 2}, {.kind = "quench"}}}, state);
+    ADD_FAILURE() << "a quench in a channel was accepted";
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems().at(0).key, "box");
+    EXPECT_NE(error.problems().at(0).what.find("x-periodic, y-walled"), std::string::npos);
+  }
+}
+
 TEST(Protocol, RefusesMoreLevelsThanAnybodyKeepsWhereTheyAreKnown) {
   StageSettings const quench{.kind = "quench", .packing_fraction = 0.9};
   StageSettings const down{.kind = "decompress", .until_packing_fraction = 0.7, .step = 1e-7};

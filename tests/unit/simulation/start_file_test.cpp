@@ -49,6 +49,39 @@ TEST_F(StartFile, ABoxThatDiffersInOneSideIsRefused) {
   EXPECT_THROW(set_up_from(four_disks(Edge::wall), "box.width = 2.5\nbox.height = 1.0\n"), Error);
 }
 
+TEST_F(StartFile, TheEdgesOfEachAxisAreThoseOfTheFileAndOthersAreRefused) {
+  State channel = four_disks(Edge::wall);
+  channel.box = Box(2.0, 1.0, Edge::periodic, Edge::wall);
+  for (char const* const settings :
+       {"", "box.edge_x = \"periodic\"\n", "box.edge_y = \"wall\"\nbox.edge = \"periodic\"\n"}) {
+    gridlock::Setup const setup = set_up_from(channel, settings);
+    EXPECT_EQ(disks_of(setup).box, channel.box) << settings;
+    EXPECT_EQ(make_box(setup.configuration.box), channel.box) << "as the resolved configuration has it";
+  }
+  for (char const* const settings : {"box.edge = \"wall\"\n", "box.edge = \"periodic\"\n", "box.edge_x = \"wall\"\n",
+                                     "box.edge_y = \"periodic\"\n"}) {
+    EXPECT_THROW(set_up_from(channel, settings), Error) << settings;
+  }
+}
+
+TEST(SetUpOfEdges, AnEdgeThatBothAxesContradictIsRefused) {
+  TemporaryDirectory const directory;
+  auto const refused = [&](std::string const& settings) {
+    try {
+      write_file(directory / "a.toml", settings);
+      static_cast<void>(set_up(SettingsFile::from_path(directory / "a.toml")));
+    } catch (Error const& error) {
+      return error.problems().at(0).key;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"periodic\" }\nrun.steps = 1\n"), "");
+  EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"wall\", edge_y = \"wall\" }\nrun.steps = 1\n"), "");
+  EXPECT_EQ(refused("box = { edge_x = \"periodic\", edge_y = \"wall\" }\nrun.steps = 1\n"), "");
+  EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"periodic\", edge_y = \"wall\" }\nrun.steps = 1\n"),
+            "box.edge");
+}
+
 TEST_F(StartFile, TheResolvedConfigurationHasBothSidesOfItsBox) {
   gridlock::Setup const setup = set_up_from(four_disks(Edge::wall), "");
   EXPECT_EQ(setup.configuration.box.width, 2.0);

@@ -42,6 +42,7 @@ struct Kind {
   GridKind grid;
   Edge edge;
   bool is_mixture;
+  AxisEdge edge_y = AxisEdge::same;
 };
 
 void PrintTo(Kind const& kind, std::ostream* stream) { *stream << kind.name; }
@@ -49,6 +50,7 @@ void PrintTo(Kind const& kind, std::ostream* stream) { *stream << kind.name; }
 Configuration configuration_of(Kind const& kind) {
   Configuration configuration;
   configuration.box.edge = kind.edge;
+  configuration.box.edge_y = kind.edge_y;
   configuration.disks = {.count = 49, .packing_fraction = 0.55};
   if (kind.is_mixture) {
     configuration.disks.start = StartKind::random;
@@ -110,16 +112,19 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
   EXPECT_FALSE(fs::exists(directory / "parts" / "checkpoint.previous.gridlock"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, Interrupted,
-                         testing::Values(Kind{"stepped_linked_walls", "stepped", GridKind::linked, Edge::wall, false},
-                                         Kind{"stepped_packed_walls", "stepped", GridKind::packed, Edge::wall, false},
-                                         Kind{"stepped_packed_periodic_mixture", "stepped", GridKind::packed,
-                                              Edge::periodic, true},
-                                         Kind{"tiled_periodic", "tiled", GridKind::packed, Edge::periodic, false},
-                                         Kind{"exact_walls", "exact", GridKind::packed, Edge::wall, false},
-                                         Kind{"exact_walls_mixture", "exact", GridKind::packed, Edge::wall, true},
-                                         Kind{"exact_periodic", "exact", GridKind::packed, Edge::periodic, false}),
-                         [](auto const& instance) { return std::string(instance.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, Interrupted,
+    testing::Values(Kind{"stepped_linked_walls", "stepped", GridKind::linked, Edge::wall, false},
+                    Kind{"stepped_packed_walls", "stepped", GridKind::packed, Edge::wall, false},
+                    Kind{"stepped_packed_periodic_mixture", "stepped", GridKind::packed, Edge::periodic, true},
+                    Kind{"tiled_periodic", "tiled", GridKind::packed, Edge::periodic, false},
+                    Kind{"exact_walls", "exact", GridKind::packed, Edge::wall, false},
+                    Kind{"exact_walls_mixture", "exact", GridKind::packed, Edge::wall, true},
+                    Kind{"exact_periodic", "exact", GridKind::packed, Edge::periodic, false},
+                    Kind{"stepped_channel", "stepped", GridKind::packed, Edge::periodic, true, AxisEdge::wall},
+                    Kind{"tiled_channel", "tiled", GridKind::packed, Edge::wall, false, AxisEdge::periodic},
+                    Kind{"exact_channel", "exact", GridKind::packed, Edge::periodic, true, AxisEdge::wall}),
+    [](auto const& instance) { return std::string(instance.param.name); });
 
 Configuration small() { return configuration_of({"", "stepped", GridKind::packed, Edge::wall, false}); }
 

@@ -1,6 +1,6 @@
 /** Which colour each agent has, and what the colours mean. */
 
-import { numberAt, radiusAt, type Frame, type Numbers } from "./frame.ts";
+import { numberAt, periodicAxes, radiusAt, type Box, type Frame, type Numbers } from "./frame.ts";
 import {
   colourCircle,
   KIND_COLOURS,
@@ -71,10 +71,11 @@ const CIRCLE_BANDS = bandsOf(colourCircle);
  * The colour of a cell, such that it shares it with none of the eight cells around it: consecutive columns and rows alternate
  * between two, and the last of an odd periodic ring has a third.
  */
-export function neighbourhoodColour(column: number, row: number, columns: number, rows: number, periodic: boolean): number {
-  const along = (index: number, count: number): number =>
-    periodic && count % 2 === 1 && count > 1 && index === count - 1 ? 2 : index % 2;
-  return along(column, columns) + 3 * along(row, rows);
+export function neighbourhoodColour(column: number, row: number, columns: number, rows: number, periodic: Box["periodic"]): number {
+  const [isPeriodicX, isPeriodicY] = periodicAxes({ periodic });
+  const along = (index: number, count: number, isPeriodic: boolean): number =>
+    isPeriodic && count % 2 === 1 && count > 1 && index === count - 1 ? 2 : index % 2;
+  return along(column, columns, isPeriodicX) + 3 * along(row, rows, isPeriodicY);
 }
 
 /** The colours of the agents of a frame. Throws RangeError if there are not as many values as agents. */

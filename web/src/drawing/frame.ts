@@ -21,7 +21,13 @@ export interface Point {
 export interface Box {
   readonly width: number;
   readonly height: number;
-  readonly periodic: boolean;
+  /** Along x and along y, or one answer for both. */
+  readonly periodic: boolean | readonly [boolean, boolean];
+}
+
+/** Whether a box is periodic along x and along y. */
+export function periodicAxes({ periodic }: Pick<Box, "periodic">): readonly [boolean, boolean] {
+  return typeof periodic === "boolean" ? [periodic, periodic] : periodic;
 }
 
 /**

@@ -2,7 +2,7 @@
 
 import type { Camera } from "./camera.ts";
 import type { Legend } from "./colouring.ts";
-import { positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+import { periodicAxes, positionAt, radiusAt, type Box, type Frame, type Point } from "./frame.ts";
 import { toCss, type Colour } from "./palettes.ts";
 import { shortest } from "./picking.ts";
 
@@ -102,14 +102,32 @@ export function boxRectangle(camera: Camera, frame: Frame): { x: number; y: numb
   return { x: corner.x, y: corner.y, width: frame.box.width * camera.scale, height: frame.box.height * camera.scale };
 }
 
-/** Outside the box, so that a disk at the wall is seen to touch and not to overlap it. */
+/** In pixels: a wall is thick, a periodic edge thin and dashed. */
+export const borderWidth = (isPeriodic: boolean): number => (isPeriodic ? 1.2 : 3);
+
+/** The four borders of a box. They lie outside of it, so that a disk at the wall is seen to touch and not to overlap it; those of walls cover the corners. */
+export function borders(at: { x: number; y: number; width: number; height: number }, box: Box): { from: Point; to: Point; isPeriodic: boolean }[] {
+  const [isPeriodicX, isPeriodicY] = periodicAxes(box);
+  const [besides, above] = [borderWidth(isPeriodicX), borderWidth(isPeriodicY)];
+  const [left, right] = [at.x - besides / 2, at.x + at.width + besides / 2];
+  const [top, bottom] = [at.y - above / 2, at.y + at.height + above / 2];
+  const [outX, outY] = [isPeriodicY && !isPeriodicX ? 0 : besides / 2, isPeriodicX && !isPeriodicY ? 0 : above / 2];
+  return [
+    ...[left, right].map((x) => ({ from: { x, y: top - outY }, to: { x, y: bottom + outY }, isPeriodic: isPeriodicX })),
+    ...[top, bottom].map((y) => ({ from: { x: left - outX, y }, to: { x: right + outX, y }, isPeriodic: isPeriodicY })),
+  ];
+}
+
 function drawBox({ context, camera, frame, theme }: Place): void {
-  const thickness = frame.box.periodic ? 1.2 : 3;
-  const box = boxRectangle(camera, frame);
-  context.strokeStyle = toCss(frame.box.periodic ? theme.faint : theme.ink);
-  context.lineWidth = thickness;
-  context.setLineDash(frame.box.periodic ? [6, 4] : []);
-  context.strokeRect(box.x - thickness / 2, box.y - thickness / 2, box.width + thickness, box.height + thickness);
+  for (const { from, to, isPeriodic } of borders(boxRectangle(camera, frame), frame.box)) {
+    context.strokeStyle = toCss(isPeriodic ? theme.faint : theme.ink);
+    context.lineWidth = borderWidth(isPeriodic);
+    context.setLineDash(isPeriodic ? [6, 4] : []);
+    context.beginPath();
+    context.moveTo(from.x, from.y);
+    context.lineTo(to.x, to.y);
+    context.stroke();
+  }
   context.setLineDash([]);
 }
 

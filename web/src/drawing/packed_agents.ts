@@ -1,6 +1,6 @@
 import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
-import { markRadius, withoutBigInts, type Box, type Frame, type Numbers } from "./frame.ts";
+import { markRadius, periodicAxes, withoutBigInts, type Box, type Frame, type Numbers } from "./frame.ts";
 
 /** A rectangle in pixels of a canvas, from its upper left corner. */
 export interface Clip {
@@ -46,19 +46,20 @@ export class PackedAgents {
     if (thirds !== undefined) for (let i = 0; i < count; ++i) numbers[4 * i + 2] = thirds[i] as number;
     for (const r of radii?.subarray(0, count) ?? []) if (r < smallest && r > 0) smallest = r;
     this.smallest = smallest < Infinity ? smallest : 0;
-    this.count = box.periodic ? this.addImages(box, count, this.mark > 0 ? 2.2 * mark : undefined) : count;
+    this.count = periodicAxes(box).some(Boolean) ? this.addImages(box, count, this.mark > 0 ? 2.2 * mark : undefined) : count;
   }
 
   /** Images of the agents that reach across an edge of a periodic box. */
   private addImages(box: Box, count: number, reach: number | undefined): number {
+    const [isPeriodicX, isPeriodicY] = periodicAxes(box);
     let end = count;
     for (let i = 0; i < count; ++i) {
       const x = this.numbers[4 * i] as number;
       const y = this.numbers[4 * i + 1] as number;
       const third = this.numbers[4 * i + 2] as number;
       const r = reach ?? third;
-      const dx = x < r ? box.width : x > box.width - r ? -box.width : 0;
-      const dy = y < r ? box.height : y > box.height - r ? -box.height : 0;
+      const dx = !isPeriodicX ? 0 : x < r ? box.width : x > box.width - r ? -box.width : 0;
+      const dy = !isPeriodicY ? 0 : y < r ? box.height : y > box.height - r ? -box.height : 0;
       if (dx === 0 && dy === 0) continue;
       this.reserve(end + 3);
       const place = this.numbers[4 * i + 3] as number;
@@ -89,7 +90,7 @@ export class PackedAgents {
 
   /** The box where it is periodic: images of disks end at its edges. */
   clip(camera: Camera, pixelRatio: number): Clip | undefined {
-    if (this.box?.periodic !== true) return undefined;
+    if (this.box === undefined || !periodicAxes(this.box).some(Boolean)) return undefined;
     const least = camera.toPixels({ x: 0, y: 0 });
     const most = camera.toPixels({ x: this.box.width, y: this.box.height });
     const round = (pixels: number): number => Math.round(Math.min(Math.max(pixels * pixelRatio, -1e6), 1e6));

@@ -1,10 +1,11 @@
-import { positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+import { periodicAxes, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
 
-/** From `from` to `to` by the shortest way: across the edge where the box is periodic. */
+/** From `from` to `to` by the shortest way: across the edges that are periodic. */
 export function shortest(frame: Frame, from: Point, to: Point): Point {
-  const along = (difference: number, side: number): number =>
-    frame.box.periodic ? difference - side * Math.round(difference / side) : difference;
-  return { x: along(to.x - from.x, frame.box.width), y: along(to.y - from.y, frame.box.height) };
+  const [isPeriodicX, isPeriodicY] = periodicAxes(frame.box);
+  const along = (difference: number, side: number, isPeriodic: boolean): number =>
+    isPeriodic ? difference - side * Math.round(difference / side) : difference;
+  return { x: along(to.x - from.x, frame.box.width, isPeriodicX), y: along(to.y - from.y, frame.box.height, isPeriodicY) };
 }
 
 /** The row of the agent at a place, or the nearest one within `tolerance` of its border; null where there is none. */

@@ -1,6 +1,6 @@
 import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
-import { markRadius, numberAt, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+import { markRadius, numberAt, periodicAxes, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
 import { outlineWidth } from "./packed_agents.ts";
 import {
   boxRectangle,
@@ -45,7 +45,7 @@ export function toSvg(view: View): string {
     `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="DejaVu Sans, sans-serif" font-size="12">`,
     `<defs>${clip}</defs>`,
     `<rect width="${width}" height="${height}" fill="${toCss(theme.background)}"/>`,
-    `<g${frame.box.periodic ? ' clip-path="url(#box)"' : ""} ${outline(view)}>`,
+    `<g${periodicAxes(frame.box).some(Boolean) ? ' clip-path="url(#box)"' : ""} ${outline(view)}>`,
     ...agents(view),
     "</g>",
     ...lines(view, box),
@@ -85,11 +85,11 @@ function agent({ frame, camera }: View, row: number, at: Point, fill: string, ou
 
 function images(frame: Frame, row: number): Point[] {
   const centre = positionAt(frame, row);
-  if (!frame.box.periodic) return [centre];
+  const [isPeriodicX, isPeriodicY] = periodicAxes(frame.box);
   const reach = frame.radius === undefined ? 2.2 * markRadius(frame.box, frame.count) : radiusAt(frame, row);
-  const along = (value: number, side: number): number[] =>
-    value < reach ? [value, value + side] : value > side - reach ? [value, value - side] : [value];
-  return along(centre.x, frame.box.width).flatMap((x) => along(centre.y, frame.box.height).map((y) => ({ x, y })));
+  const along = (value: number, side: number, isPeriodic: boolean): number[] =>
+    !isPeriodic ? [value] : value < reach ? [value, value + side] : value > side - reach ? [value, value - side] : [value];
+  return along(centre.x, frame.box.width, isPeriodicX).flatMap((x) => along(centre.y, frame.box.height, isPeriodicY).map((y) => ({ x, y })));
 }
 
 function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
@@ -123,12 +123,12 @@ function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
         `fill="${toCss(theme.accent)}" fill-opacity="0.14" stroke="${toCss(theme.accent)}"/>`,
     );
   }
-  const thickness = frame.box.periodic ? 1.2 : 3;
-  written.push(
-    `<rect x="${round(box.x - thickness / 2)}" y="${round(box.y - thickness / 2)}" width="${round(box.width + thickness)}" ` +
-      `height="${round(box.height + thickness)}" fill="none" stroke="${ink}" stroke-width="${thickness}"` +
-      `${frame.box.periodic ? ' stroke-dasharray="6 4"' : ""}/>`,
-  );
+  for (const { from, to, isPeriodic } of borders(box, frame.box)) {
+    written.push(
+      `<path d="M${round(from.x)} ${round(from.y)}L${round(to.x)} ${round(to.y)}" fill="none" stroke="${ink}" ` +
+        `stroke-width="${borderWidth(isPeriodic)}"${isPeriodic ? ' stroke-dasharray="6 4"' : ""}/>`,
+    );
+  }
   const rings = [...(overlay.block?.near ?? []), ...(overlay.selected ?? [])].filter((row) => row < frame.count);
   for (const row of rings) {
     const at = camera.toPixels(positionAt(frame, row));

@@ -114,7 +114,8 @@ export interface DrawnColumn {
 export interface BoxDescription {
   readonly width: number;
   readonly height: number;
-  readonly periodic: boolean;
+  /** Along x and along y, or one answer for both. */
+  readonly periodic: boolean | readonly [boolean, boolean];
 }
 
 /** The cells of the uniform grid. Cells are numbered row by row from the lower left corner. */

@@ -111,7 +111,7 @@ export class H5mdFile implements FrameReader {
     const [alongX, alongY] = this.periodicity();
     putInside(x, 0, width, alongX);
     putInside(y, 0, height, alongY);
-    return { width, height, periodic: alongX && alongY };
+    return { width, height, periodic: alongX === alongY ? alongX : [alongX, alongY] };
   }
 
   /** Edges are lengths or a matrix of vectors, fixed or of each frame; without them nothing is known of the box. */
@@ -141,11 +141,8 @@ export class H5mdFile implements FrameReader {
   }
 
   private notes(): string[] {
-    const [alongX, alongY] = this.periodicity();
     const others = this.groupsWithPositions().slice(1);
-    const notes = others.length === 0 ? [] : [`The file also has ${others.join(", ")}; of several groups of agents the first is shown.`];
-    if (alongX === alongY) return notes;
-    return [...notes, `The box is periodic in ${alongX ? "x" : "y"} alone. It is shown between walls: distances and neighbours do not reach through its edges.`];
+    return others.length === 0 ? [] : [`The file also has ${others.join(", ")}; of several groups of agents the first is shown.`];
   }
 
   private agentsGroup(): string {

@@ -1,6 +1,6 @@
 /** The sixfold order around each agent, of a frame that no engine knows. */
 
-import { numberAt, type Numbers } from "../drawing/frame.ts";
+import { numberAt, periodicAxes, type Numbers } from "../drawing/frame.ts";
 import type { SourceFrame } from "../sources/source.ts";
 
 /** Of the spacing of the triangular lattice: midway between its first shell and its second. */
@@ -15,8 +15,9 @@ export function localBondOrientationOrders({ columns, ids, box }: SourceFrame): 
   const x = Float64Array.from({ length: count }, (_, row) => numberAt(columns["x"] as Numbers, row));
   const y = Float64Array.from({ length: count }, (_, row) => numberAt(columns["y"] as Numbers, row));
   const spacing = Math.sqrt(((2 / Math.sqrt(3)) * box.width * box.height) / Math.max(1, count));
-  const shorter = Math.min(box.width, box.height);
-  const reach = box.periodic ? Math.min(REACH * spacing, shorter / 2) : REACH * spacing;
+  const [isPeriodicX, isPeriodicY] = periodicAxes(box);
+  const shorter = Math.min(isPeriodicX ? box.width : Infinity, isPeriodicY ? box.height : Infinity);
+  const reach = Math.min(REACH * spacing, shorter / 2);
   const cells = new Cells(x, y, box, reach);
   const real = new Float64Array(count);
   const imaginary = new Float64Array(count);
@@ -24,10 +25,8 @@ export function localBondOrientationOrders({ columns, ids, box }: SourceFrame): 
   const towards = (row: number, other: number): void => {
     let dx = (x[other] as number) - (x[row] as number);
     let dy = (y[other] as number) - (y[row] as number);
-    if (box.periodic) {
-      dx -= box.width * Math.round(dx / box.width);
-      dy -= box.height * Math.round(dy / box.height);
-    }
+    if (isPeriodicX) dx -= box.width * Math.round(dx / box.width);
+    if (isPeriodicY) dy -= box.height * Math.round(dy / box.height);
     const squared = dx * dx + dy * dy;
     if (!(squared > 0) || squared > reach * reach) return;
     // (dx + i dy)² / |d|² to the third power.
@@ -71,8 +70,9 @@ class Cells {
   forEachNear(row: number, visit: (other: number) => void): void {
     const own = this.cellOf[row] as number;
     const ownRow = Math.floor(own / this.columns);
-    for (const cellRow of this.around(ownRow, this.rows)) {
-      for (const column of this.around(own % this.columns, this.columns)) {
+    const [isPeriodicX, isPeriodicY] = periodicAxes(this.box);
+    for (const cellRow of this.around(ownRow, this.rows, isPeriodicY)) {
+      for (const column of this.around(own % this.columns, this.columns, isPeriodicX)) {
         const cell = cellRow * this.columns + column;
         for (let at = this.begin[cell] as number; at < (this.begin[cell + 1] as number); ++at) {
           const other = this.sorted[at] as number;
@@ -82,8 +82,8 @@ class Cells {
     }
   }
 
-  private around(place: number, count: number): number[] {
-    const all = [place - 1, place, place + 1].map((one) => (this.box.periodic ? (one + count) % count : one));
+  private around(place: number, count: number, isPeriodic: boolean): number[] {
+    const all = [place - 1, place, place + 1].map((one) => (isPeriodic ? (one + count) % count : one));
     return [...new Set(all)].filter((one) => one >= 0 && one < count);
   }
 }

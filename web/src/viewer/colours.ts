@@ -1,7 +1,7 @@
 /** What the agents of a frame can be coloured by. */
 
 import { MOST_KINDS, rangeOf, type Colouring } from "../drawing/colouring.ts";
-import { numberAt, type Frame, type Numbers } from "../drawing/frame.ts";
+import { numberAt, periodicAxes, type Frame, type Numbers } from "../drawing/frame.ts";
 import { words } from "../page/dom.ts";
 import type { SourceFrame, ValueNames } from "../sources/source.ts";
 import { localBondOrientationOrders } from "./bond_orientation.ts";
@@ -79,17 +79,18 @@ function directions({ columns, ids }: SourceFrame): Numbers | undefined {
 export function displacements(frame: SourceFrame, first: SourceFrame): Float32Array {
   const rows = new Map<number, number>();
   first.ids.forEach((id, row) => rows.set(id, row));
-  const along = (name: "x" | "y", side: number, row: number, before: number): number => {
+  const [isPeriodicX, isPeriodicY] = periodicAxes(frame.box);
+  const along = (name: "x" | "y", side: number, isPeriodic: boolean, row: number, before: number): number => {
     const now = numberAt(frame.columns[name] as Numbers, row);
     const then = numberAt(first.columns[name] as Numbers, before);
     const image = frame.columns[`image_${name}`];
     const imageBefore = first.columns[`image_${name}`];
     if (image !== undefined && imageBefore !== undefined) return now - then + side * (numberAt(image, row) - numberAt(imageBefore, before));
-    return frame.box.periodic ? now - then - side * Math.round((now - then) / side) : now - then;
+    return isPeriodic ? now - then - side * Math.round((now - then) / side) : now - then;
   };
   return Float32Array.from(frame.ids, (id, row) => {
     const before = rows.get(id);
-    return before === undefined ? NaN : Math.hypot(along("x", frame.box.width, row, before), along("y", frame.box.height, row, before));
+    return before === undefined ? NaN : Math.hypot(along("x", frame.box.width, isPeriodicX, row, before), along("y", frame.box.height, isPeriodicY, row, before));
   });
 }
 

@@ -24,6 +24,7 @@ function rowsOf(file: string): Row[] {
 const SEED = "run.seed = 20\n";
 const WALLS = 'box.edge = "wall"\n';
 const PERIODIC = 'box.edge = "periodic"\n';
+const CHANNEL = 'box.edge_x = "periodic"\nbox.width = 1.4\nbox.height = 0.9\n';
 
 const DISKS: Readonly<Record<string, string>> = {
   paper: WALLS + "disks.count = 841\ndisks.packing_fraction = 0.7\nengine.cells = 10\nrun.time = 0.5",
@@ -43,6 +44,15 @@ const DISKS: Readonly<Record<string, string>> = {
     PERIODIC +
     'disks.count = 4_000\ndisks.packing_fraction = 0.3\ndisks.start = "random"\nrun.time = 0.05\n' +
     "disks.species = [{ fraction = 0.9 }, { fraction = 0.1, size_ratio = 4.0, mass = 16.0 }]",
+  channel:
+    CHANNEL +
+    'disks.count = 200\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nvelocities.kind = "maxwell"\nrun.time = 1\n' +
+    "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]",
+  channel_crowd: CHANNEL + 'disks.count = 10_000\ndisks.packing_fraction = 0.6\ndisks.start = "triangular"\nrun.time = 0.05',
+  upright_channel:
+    PERIODIC +
+    'box.edge_x = "wall"\nbox.width = 0.9\nbox.height = 1.4\n' +
+    'disks.count = 6_000\ndisks.packing_fraction = 0.5\ndisks.start = "triangular"\nrun.time = 0.05',
   brownian:
     PERIODIC +
     'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +

@@ -62,6 +62,12 @@ describe("Extended XYZ", () => {
     expect(Array.from(frame.columns["y"] as ArrayLike<number>)).toEqual([5]);
   });
 
+  test("is folded along the axis that is periodic alone", async () => {
+    const frame = await (await open('1\nLattice="4 0 0 0 3 0 0 0 1" pbc="F T F" Properties=pos:R:2\n-1 -1\n')).frame(0);
+    expect(frame.box).toEqual({ width: 4, height: 3, periodic: [false, true] });
+    expect([frame.columns["x"], frame.columns["y"]].map((values) => (values as ArrayLike<number>)[0])).toEqual([-1, 2]);
+  });
+
   test("has the names of other programs, and words in their order", async () => {
     const frame = await (await open("2\nProperties=masses:R:1:momenta:R:3:pos:R:2:diameter:R:1:tag:S:1:on:L:1\n2 3 -1 0 1 2 0.5 b T\n4 2 2 0 3 4 1 a F\n")).frame(0);
     const of = (name: string): number[] => Array.from(frame.columns[name] as ArrayLike<number>);
@@ -73,7 +79,7 @@ describe("Extended XYZ", () => {
     const notesOf = async (line: string, row: string): Promise<readonly string[]> => (await open(`1\n${line}\n${row}\n`)).description.notes;
     const box = 'Lattice="2 0 0 0 3 0 0 0 1" Properties=pos:R:3';
     expect(await notesOf(box, "0.5 1 0")).toEqual([]);
-    expect(await notesOf(`${box} pbc="T F F"`, "0.5 1 0")).toEqual(["The box is periodic along x only: it is shown with walls."]);
+    expect(await notesOf(`${box} pbc="T F F"`, "0.5 1 0")).toEqual([]);
     expect(await notesOf(box, "0.5 1 7")).toEqual(["The file is one of space: it is shown from above, without z."]);
     expect(await notesOf("Properties=pos:R:2", "0.5 1")).toEqual(["The file gives no Lattice: the box is the rectangle around the agents."]);
   });
@@ -93,6 +99,9 @@ interface Line {
   readonly edges: string;
   readonly first: readonly [number, number];
 }
+const EDGES: Readonly<Record<string, boolean | [boolean, boolean]>> = {
+  walls: false, periodic: true, "periodic in x": [true, false], "periodic in y": [false, true],
+};
 const LINES = JSON.parse(readFileSync(new URL("../../../tests/reference/xyz_lines.json", import.meta.url), "utf8")) as
   { readonly read: readonly Line[]; readonly refused: readonly Line[]; readonly shown: readonly Line[] };
 const openLine = ({ line, row }: Line): Promise<XyzFile> => open(`1\n${line}\n${row ?? "X 0.25 0.5 0"}\n`);
@@ -101,7 +110,7 @@ describe("The second lines that the program is tested with", () => {
   test.each([...LINES.read, ...LINES.shown])("$line is a box", async (one) => {
     const frame = await (await openLine(one)).frame(0);
     if (one.box === null) return expect(frame.box.periodic).toBe(false);
-    expect(frame.box).toEqual({ width: one.box[0], height: one.box[1], periodic: one.edges === "periodic" });
+    expect(frame.box).toEqual({ width: one.box[0], height: one.box[1], periodic: EDGES[one.edges] });
     expect((frame.columns["x"] as Float64Array)[0]).toBeCloseTo(one.first[0], 14);
     expect((frame.columns["y"] as Float64Array)[0]).toBeCloseTo(one.first[1], 14);
   });

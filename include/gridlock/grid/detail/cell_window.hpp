@@ -7,7 +7,7 @@
 
 namespace gridlock {
 
-/// A rectangle of cells. In a periodic box it may begin below 0 or end beyond the last column or row.
+/// A rectangle of cells. Along a periodic axis it may begin below 0 or end beyond the last column or row.
 struct CellWindow {
   int first_column = 0, end_column = 0;
   int first_row = 0, end_row = 0;
@@ -15,11 +15,11 @@ struct CellWindow {
   friend bool operator==(CellWindow const&, CellWindow const&) = default;
 };
 
-/// Returns the part of a window inside walls. In a periodic box a window that is wider than the box becomes the whole
-/// box.
+/// Returns the part of a window inside walls. Along a periodic axis a window that is wider than the box becomes the
+/// whole box.
 inline CellWindow within(CellLayout const& layout, CellWindow window) {
-  auto const cut = [&](int& begin, int& end, int all) {
-    if (!layout.is_periodic()) {
+  auto const cut = [&](int& begin, int& end, int all, bool is_periodic) {
+    if (!is_periodic) {
       begin = std::max(0, begin);
       end = std::min(all, end);
     } else if (end - begin >= all) {
@@ -27,8 +27,8 @@ inline CellWindow within(CellLayout const& layout, CellWindow window) {
       end = all;
     }
   };
-  cut(window.first_column, window.end_column, layout.columns());
-  cut(window.first_row, window.end_row, layout.rows());
+  cut(window.first_column, window.end_column, layout.columns(), layout.is_periodic_x());
+  cut(window.first_row, window.end_row, layout.rows(), layout.is_periodic_y());
   return window;
 }
 

@@ -50,7 +50,7 @@ void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, V
   };
   Box const& box = points.box;
   // are_inside() is tested once here, instead of for every pair.
-  if (!box.is_periodic() || are_inside(points)) {
+  if (!box.has_images() || are_inside(points)) {
     search([&box](Vector from, Vector to) { return box.displacement_inside(from, to); });
   } else {
     search([&box](Vector from, Vector to) { return box.displacement(from, to); });

@@ -31,7 +31,7 @@ class RowBlocks {
   [[nodiscard]] RowBlock around(int column, int row) const {
     int const rows = layout_.rows();
     RowBlock block{.is_at_edge = is_at_edge(column, row)};
-    if (!layout_.is_periodic()) {
+    if (!layout_.is_periodic_y()) {
       for (int r = std::max(0, row - 1); r < std::min(rows, row + 2); ++r) add_row(block, column, r);
     } else if (rows <= 3) {
       for (int r = 0; r < rows; ++r) add_row(block, column, r);
@@ -49,10 +49,10 @@ class RowBlocks {
     RowBlock block{.is_at_edge = is_at_edge(column, row)};
     bool const is_last = column + 1 == columns;
     add(block, row, column, is_last ? columns : column + 2);
-    if (is_last && layout_.is_periodic()) add(block, row, 0, 1);
+    if (is_last && layout_.is_periodic_x()) add(block, row, 0, 1);
     if (row + 1 < rows) {
       add_row(block, column, row + 1);
-    } else if (layout_.is_periodic()) {
+    } else if (layout_.is_periodic_y()) {
       add_row(block, column, 0);
     }
     return block;
@@ -60,7 +60,7 @@ class RowBlocks {
 
   /// Returns whether no two cells are neighbours on two sides of a periodic box.
   [[nodiscard]] bool has_halves() const {
-    return !layout_.is_periodic() || (layout_.columns() > 3 && layout_.rows() > 3);
+    return (!layout_.is_periodic_x() || layout_.columns() > 3) && (!layout_.is_periodic_y() || layout_.rows() > 3);
   }
 
  private:
@@ -80,7 +80,7 @@ class RowBlocks {
   /// Adds the cells of a row in a column and the two next to it.
   void add_row(RowBlock& block, int column, int row) const {
     int const columns = layout_.columns();
-    if (!layout_.is_periodic() || (column > 0 && column + 1 < columns)) {
+    if (!layout_.is_periodic_x() || (column > 0 && column + 1 < columns)) {
       add(block, row, std::max(0, column - 1), std::min(columns, column + 2));
     } else if (columns <= 3) {
       add(block, row, 0, columns);

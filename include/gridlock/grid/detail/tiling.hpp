@@ -15,7 +15,7 @@ namespace gridlock {
 ///     colours      ┌────┬────┬────┬────┐    Between two tiles of colour 0 lies a whole tile, at least two cells wide.
 ///     of tiles:    │ 2  │ 3  │ 2  │ 3  │    The disks of a tile read, hit and move to its own cells and the ring
 ///                  ├────┼────┼────┼────┤    of cells around it, so no disk is touched from two of them.
-///                  │ 0  │ 1  │ 0  │ 1  │    Around a periodic box the number of tiles is even, or there is only one.
+///                  │ 0  │ 1  │ 0  │ 1  │    Along a periodic axis the number of tiles is even, or there is only one.
 ///                  └────┴────┴────┴────┘
 ///
 /// The tiles depend on the cells alone, so that the order of turns depends on the state alone.
@@ -43,13 +43,13 @@ class Tiling {
   template <class Visit>
   void for_each_around(std::uint32_t tile, Visit visit) const {
     Place const place = place_of(tile);
-    auto const near = [this](std::size_t at, std::size_t count, auto visit_at) {
+    auto const near = [](std::size_t at, std::size_t count, bool is_periodic, auto visit_at) {
       visit_at(at);
-      if (at > 0 || is_periodic_) visit_at((at + count - 1) % count);
-      if (at + 1 < count || is_periodic_) visit_at((at + 1) % count);
+      if (at > 0 || is_periodic) visit_at((at + count - 1) % count);
+      if (at + 1 < count || is_periodic) visit_at((at + 1) % count);
     };
-    near(place.row, rows_, [&](std::size_t row) {
-      near(place.column, columns_, [&](std::size_t column) { visit(number_of(column, row)); });
+    near(place.row, rows_, is_periodic_y_, [&](std::size_t row) {
+      near(place.column, columns_, is_periodic_x_, [&](std::size_t column) { visit(number_of(column, row)); });
     });
   }
 
@@ -112,7 +112,8 @@ class Tiling {
   /// cache.
   [[nodiscard]] Part in_order_of_memory() const;
 
-  bool is_periodic_ = false;
+  bool is_periodic_x_ = false;
+  bool is_periodic_y_ = false;
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;
   std::vector<Tile> tiles_;

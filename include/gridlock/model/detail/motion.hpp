@@ -24,17 +24,15 @@ struct Motion {
 
 inline Motion motion(Box const& box, Vector p, Vector displacement) {
   Motion motion{.end = p + displacement};
-  if (box.is_periodic()) {
-    motion.end = box.wrap(motion.end, motion.crossed_x, motion.crossed_y);
-    return motion;
-  }
+  motion.end = box.wrap(motion.end, motion.crossed_x, motion.crossed_y);
+  if (box.is_periodic()) return motion;
   auto const mirror = [](double& coordinate, double side, bool& is_turned) {
     is_turned = coordinate < 0.0 || coordinate > side;
     if (coordinate < 0.0) coordinate = -coordinate;
     if (coordinate > side) coordinate = std::max(0.0, side - (coordinate - side));
   };
-  mirror(motion.end.x, box.width(), motion.bounce.x);
-  mirror(motion.end.y, box.height(), motion.bounce.y);
+  if (!box.is_periodic_x()) mirror(motion.end.x, box.width(), motion.bounce.x);
+  if (!box.is_periodic_y()) mirror(motion.end.y, box.height(), motion.bounce.y);
   return motion;
 }
 

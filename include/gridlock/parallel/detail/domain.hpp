@@ -125,7 +125,7 @@ class Domain {
   Domain(Communicator& processes, CellLayout const& cells, std::vector<CellWindow> rectangles, Rim const& rim);
   static Domain of_whole_tiles(Communicator& processes, CellLayout const& cells, Tiling const& tiling,
                                std::span<std::uint64_t const> points_of_tiles);
-  [[nodiscard]] Range range_of(int first, int end, double margin, int all) const;
+  static Range range_of(int first, int end, double margin, int all, bool is_periodic);
   [[nodiscard]] CellWindow around(CellWindow const& rectangle, int columns, int rows) const;
   void find_neighbours();
   void find_inside();
