@@ -160,8 +160,8 @@ void require_floor(EngineSettings const& settings, State const& state) {
          .key = fmt::format("gravity.{}", axis)});
   };
   if (is_held) return;
-  if (settings.gravity.x != 0.0 && state.box.is_periodic()) refuse("x", settings.gravity.x);
-  if (settings.gravity.y != 0.0 && state.box.is_periodic()) refuse("y", settings.gravity.y);
+  if (settings.gravity.x != 0.0 && state.box.is_periodic_x()) refuse("x", settings.gravity.x);
+  if (settings.gravity.y != 0.0 && state.box.is_periodic_y()) refuse("y", settings.gravity.y);
 }
 
 /// How far self-propelled disks go, in diameters of the smallest, and how far a step or an interval is from motion in

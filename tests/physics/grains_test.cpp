@@ -239,6 +239,38 @@ TEST(FallingGas, WeighsOnItsFloorAllButItsChangeOfMomentum) {
   EXPECT_NEAR((floor - lid) / (mass * 0.4 * 400.0 + momentum_y() - before), 1.0, 1e-10);
 }
 
+TEST(FallingGas, HasTheHeightAndTheFloorPressureOfAnIndependentProgram) {
+  // 200 disks, a periodic channel of width 15 and height 50, g = 0.2, all velocities drawn every 3 units of time:
+  // pressure of the floor 2.670(4), of the lid 0.00455(12), mean height 13.453(11).
+  State state =
+      make_start(Box(15.0, 50.0, Edge::periodic, Edge::wall),
+                 {.count = 200, .radius = 0.5, .start = StartKind::square, .region = {0.0, 0.0, 15.0, 25.0}}, 3);
+  ThermostatSettings const thermostat{.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = 3.0};
+  auto const engine = make_engine(
+      {.kind = "exact", .time_step = 3.0, .threads = 1, .thermostat = thermostat, .gravity = {.y = -0.2}}, state);
+  Counters counters;
+  engine->advance(state, counters, {.time = 600.0});
+  std::vector<double> floors;
+  std::vector<double> heights;
+  Counters const begin = counters;
+  for (int block = 1; block <= 20; ++block) {
+    double const before = counters.wall_impulse[Counters::bottom];
+    double height = 0.0;
+    for (int sample = 1; sample <= 60; ++sample) {
+      engine->advance(state, counters, {.time = 600.0 + 300.0 * (block - 1) + 5.0 * sample});
+      for (double const y : state.agents.column<Y>()) height += y / (200.0 * 60.0);
+    }
+    floors.push_back((counters.wall_impulse[Counters::bottom] - before) / (300.0 * 15.0));
+    heights.push_back(height);
+  }
+  EXPECT_NEAR(mean_of(floors).value, 2.670, 4.0 * std::hypot(mean_of(floors).error, 0.004));
+  EXPECT_NEAR(mean_of(heights).value, 13.453, 4.0 * std::hypot(mean_of(heights).error, 0.011));
+  EXPECT_LT(mean_of(heights).error, 0.2);
+  EXPECT_LT(mean_of(floors).error, 0.04);
+  double const lid = (counters.wall_impulse[Counters::top] - begin.wall_impulse[Counters::top]) / (6000.0 * 15.0);
+  EXPECT_NEAR(lid, 0.00455, 0.002);
+}
+
 TEST(WallsInsideTheBox, MakeASmallerBoxOfALargerOne) {
   reference::SceneSettings const scene{.width = 1.3, .height = 0.9, .count = 12, .packing_fraction = 0.2};
   for (Vector const gravity : {Vector{}, Vector{0.3, -1.0}}) {
