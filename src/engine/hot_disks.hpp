@@ -67,14 +67,18 @@ class HotDisks {
   [[nodiscard]] std::size_t room() const { return disks_.capacity(); }
   [[nodiscard]] LargeArray<DiskInTurn> take() { return std::move(disks_); }
 
-  /// `of_step` is set by the caller for each step, if disks propel themselves.
-  TurnView view(Box const& box, EngineSettings const& settings, double duration, HeadingStep const& of_step) {
+  TurnView view(Box const& box, EngineSettings const& settings, double duration) {
     return {.box = box,
             .disks = disks_,
             .substep = duration / static_cast<double>(settings.substeps),
             .substeps = settings.substeps,
-            .contact = settings.contact,
-            .heading = settings.propulsion.is_on() ? &of_step : nullptr};
+            .contact = settings.contact};
+  }
+  /// `of_step` is set by the caller for each step, if disks propel themselves.
+  TurnView view(Box const& box, EngineSettings const& settings, double duration, HeadingStep const& of_step) {
+    TurnView of_all = view(box, settings, duration);
+    if (settings.propulsion.is_on()) of_all.heading = &of_step;
+    return of_all;
   }
 
   void write_back(State& state) const {

@@ -21,6 +21,7 @@
 #include "parallel/disks_of_all.hpp"
 #include "simulation/countable_time.hpp"
 #include "simulation/disks_start.hpp"
+#include "simulation/dynamics_notes.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/patient_engine.hpp"
 #include "simulation/protocol_simulation.hpp"
@@ -93,10 +94,6 @@ void require_short_substeps(EngineSettings const& engine, DisksOverview const& d
        .key = "engine.time_step"});
 }
 
-/// The relative error of self-diffusion at a packing fraction of 0.5, for a path of one diameter between two draws: it
-/// is linear in the path (docs/explanation/thermostats.md).
-constexpr double error_per_flight = 0.4;
-
 /// Returns a note if the engine has a time step and the results are known to mislead.
 std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineSettings const& settings) {
   EngineRecord const& engine = engine_record(settings.kind);
@@ -120,68 +117,6 @@ std::string unused_of_thermostat(ThermostatKind kind, std::string_view key) {
                        (key == "thermostat.rate" && kind == ThermostatKind::andersen) ||
                        (key == "thermostat.interval" && kind == ThermostatKind::brownian);
   return is_used ? "" : fmt::format("thermostat.kind = \"{}\"", to_text(kind));
-}
-
-/// The motion of a free disk of the mean mass, in diameters of the smallest.
-std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
-  if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
-  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
-  std::erase_if(masses, [](double m) { return std::isinf(m); });  // fixed disks
-  double mass = 0.0;
-  for (double const of_disk : masses) mass += of_disk / static_cast<double>(masses.size());
-  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return m != masses[0]; });
-  BrownianScales const scales = brownian_scales(settings, mass, 2.0 * radius_range(disks).smallest);
-  return Event{.kind = EventKind::thermostat,
-               .key = "thermostat.interval",
-               .values = {{"kind", std::string(to_text(settings.kind))},
-                          {"temperature", *settings.temperature},
-                          {"are_unlike", std::uint64_t{are_unlike}},
-                          {"diffusion", scales.diffusion},
-                          {"draws", scales.kicks_of_sigma2},
-                          {"flight", scales.flight},
-                          {"error_percent", 100.0 * error_per_flight * scales.flight}}};
-}
-
-/// Returns a note where collisions may come without end. With e of 0.95 or more that takes more disks than runs have.
-std::optional<Event> may_collapse(CollisionSettings const& collisions) {
-  double const lowest = collisions.lowest();
-  if (lowest >= 0.95 || collisions.contact_time > 0.0) return std::nullopt;
-  return Event{.kind = EventKind::losing_energy, .key = "collisions.contact_time", .values = {{"restitution", lowest}}};
-}
-
-/// Throws Error for disks that would fall without end, ever faster.
-void require_floor(EngineSettings const& settings, State const& state) {
-  bool const is_held = settings.thermostat.kind != ThermostatKind::none || settings.collisions.lose_energy();
-  auto const refuse = [&](std::string const& axis, double gravity) {
-    throw Error(
-        {.what = fmt::format("gravity.{} = {} along periodic edges: the disks would fall without end, ever faster",
-                             axis, gravity),
-         .hint = fmt::format("use box.edge = \"wall\", or a thermostat, whose kicks make them drift"),
-         .key = fmt::format("gravity.{}", axis)});
-  };
-  if (is_held) return;
-  if (settings.gravity.x != 0.0 && state.box.is_periodic_x()) refuse("x", settings.gravity.x);
-  if (settings.gravity.y != 0.0 && state.box.is_periodic_y()) refuse("y", settings.gravity.y);
-}
-
-/// How far self-propelled disks go, in diameters of the smallest, and how far a step or an interval is from motion in
-/// continuous time. Contract: a thermostat is resolved.
-std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksOverview const& disks) {
-  PropulsionSettings const& propulsion = settings.propulsion;
-  if (!propulsion.is_on() || disks.count == 0) return std::nullopt;
-  bool const has_steps = engine_record(settings.kind).has_time_step;
-  double const duration =
-      has_steps ? step_duration(settings, disks.radii.smallest) : settings.thermostat.interval.value_or(0.0);
-  double const diameter = 2.0 * disks.radii.smallest;
-  return Event{.kind = EventKind::propulsion,
-               .key = "propulsion.speed",
-               .values = {{"duration", std::string(has_steps ? "a time step" : "thermostat.interval")},
-                          {"rotational_diffusion", propulsion.rotational_diffusion},
-                          {"persistence", propulsion.rotational_diffusion > 0.0
-                                              ? propulsion.speed / propulsion.rotational_diffusion / diameter
-                                              : 0.0},
-                          {"way", propulsion.speed * duration / diameter},
-                          {"turn", turn_width(propulsion, duration)}}};
 }
 
 std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings const& velocities) {

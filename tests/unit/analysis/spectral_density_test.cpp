@@ -121,7 +121,8 @@ std::string error_of(Box const& box, std::vector<double> const& radii, double la
 
 TEST(SpectralDensity, RefusesWhatHasNone) {
   Box const box(1.0, 1.0, Edge::periodic);
-  EXPECT_EQ(error_of(Box(1.0, 1.0, Edge::wall), {0.1}, 1.0, 1), "the spectral density needs a periodic box");
+  EXPECT_EQ(error_of(Box(1.0, 1.0, Edge::wall), {0.1}, 1.0, 1),
+            "the spectral density needs a box that is periodic in x and y");
   EXPECT_EQ(error_of(box, {}, 1.0, 1), "there are 0 radii for 1 disks");
   EXPECT_EQ(error_of(box, {0.0}, 1.0, 1), "a radius is 0");
   EXPECT_EQ(error_of(box, {0.1}, -1.0, 1), "the largest wave number is -1");

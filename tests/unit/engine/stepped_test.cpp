@@ -351,7 +351,7 @@ TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
     double const energy = kinetic_energy(state.agents);
     Counters counters;
     HotDisks disks(state, rows_in_order(state.agents.ids()));
-    collide(disks.view(state.box, {}, 0.1, {}), 0, 1, counters);
+    collide(disks.view(state.box, {}, 0.1), 0, 1, counters);
     disks.write_back(state);
     Vector const after = velocity(state.agents, 0) - velocity(state.agents, 1);
     double const length = std::sqrt(squared_length(b));

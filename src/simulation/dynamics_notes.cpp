@@ -1,0 +1,80 @@
+#include "simulation/dynamics_notes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// The relative error of self-diffusion at a packing fraction of 0.5, for a path of one diameter between two draws: it
+/// is linear in the path (docs/explanation/thermostats.md).
+constexpr double error_per_flight = 0.4;
+
+}  // namespace
+
+std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
+  if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
+  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
+  std::erase_if(masses, [](double m) { return std::isinf(m); });  // fixed disks
+  double mass = 0.0;
+  for (double const of_disk : masses) mass += of_disk / static_cast<double>(masses.size());
+  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return m != masses[0]; });
+  BrownianScales const scales = brownian_scales(settings, mass, 2.0 * radius_range(disks).smallest);
+  return Event{.kind = EventKind::thermostat,
+               .key = "thermostat.interval",
+               .values = {{"kind", std::string(to_text(settings.kind))},
+                          {"temperature", *settings.temperature},
+                          {"are_unlike", std::uint64_t{are_unlike}},
+                          {"diffusion", scales.diffusion},
+                          {"draws", scales.kicks_of_sigma2},
+                          {"flight", scales.flight},
+                          {"error_percent", 100.0 * error_per_flight * scales.flight}}};
+}
+
+std::optional<Event> may_collapse(CollisionSettings const& collisions) {
+  double const lowest = collisions.lowest();
+  if (lowest >= 0.95 || collisions.contact_time > 0.0) return std::nullopt;
+  return Event{.kind = EventKind::losing_energy, .key = "collisions.contact_time", .values = {{"restitution", lowest}}};
+}
+
+void require_floor(EngineSettings const& settings, State const& state) {
+  bool const is_held = settings.thermostat.kind != ThermostatKind::none || settings.collisions.lose_energy();
+  auto const refuse = [&](std::string const& axis, double gravity) {
+    throw Error(
+        {.what = fmt::format("gravity.{} = {} along periodic edges: the disks would fall without end, ever faster",
+                             axis, gravity),
+         .hint = fmt::format("use box.edge = \"wall\", or a thermostat, whose kicks make them drift"),
+         .key = fmt::format("gravity.{}", axis)});
+  };
+  if (is_held) return;
+  if (settings.gravity.x != 0.0 && state.box.is_periodic_x()) refuse("x", settings.gravity.x);
+  if (settings.gravity.y != 0.0 && state.box.is_periodic_y()) refuse("y", settings.gravity.y);
+}
+
+std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksOverview const& disks) {
+  PropulsionSettings const& propulsion = settings.propulsion;
+  if (!propulsion.is_on() || disks.count == 0) return std::nullopt;
+  bool const has_steps = engine_record(settings.kind).has_time_step;
+  double const duration =
+      has_steps ? step_duration(settings, disks.radii.smallest) : settings.thermostat.interval.value_or(0.0);
+  double const diameter = 2.0 * disks.radii.smallest;
+  return Event{.kind = EventKind::propulsion,
+               .key = "propulsion.speed",
+               .values = {{"duration", std::string(has_steps ? "a time step" : "thermostat.interval")},
+                          {"rotational_diffusion", propulsion.rotational_diffusion},
+                          {"persistence", propulsion.rotational_diffusion > 0.0
+                                              ? propulsion.speed / propulsion.rotational_diffusion / diameter
+                                              : 0.0},
+                          {"way", propulsion.speed * duration / diameter},
+                          {"turn", turn_width(propulsion, duration)}}};
+}
+
+}  // namespace gridlock

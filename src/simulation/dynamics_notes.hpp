@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "core/disks_overview.hpp"
+#include "gridlock/core/disks.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/simulation/event.hpp"
+
+namespace gridlock {
+
+// Notes on the thermostat, propulsion, collisions and gravity of a run, before it begins.
+
+/// Returns the motion of a free disk of the mean mass, in diameters of the smallest.
+std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks);
+
+/// Returns how far self-propelled disks go, in diameters of the smallest, and how far a step or an interval is from
+/// motion in continuous time. Contract: a thermostat is resolved.
+std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksOverview const& disks);
+
+/// Returns a note where collisions may come without end. With e of 0.95 or more that takes more disks than runs have.
+std::optional<Event> may_collapse(CollisionSettings const& collisions);
+
+/// Throws Error for disks that would fall without end, ever faster.
+void require_floor(EngineSettings const& settings, State const& state);
+
+}  // namespace gridlock
