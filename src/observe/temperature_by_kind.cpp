@@ -21,7 +21,8 @@ namespace {
 struct KindOfDisk {
   double radius;
   double mass;
-  friend auto operator<=>(KindOfDisk const&, KindOfDisk const&) = default;
+
+  friend bool operator==(KindOfDisk const&, KindOfDisk const&) = default;
 };
 
 /// Returns the kind of each row.
@@ -36,7 +37,7 @@ std::vector<KindOfDisk> kinds_of_rows(AgentsView const& agents) {
 
 /// Keeps each kind once, in order, and no more than one above the limit.
 void keep_few(std::vector<KindOfDisk>& kinds) {
-  std::ranges::sort(kinds, [](KindOfDisk const& one, KindOfDisk const& other) { return (one <=> other) < 0; });
+  std::ranges::sort(kinds, {}, [](KindOfDisk const& kind) { return std::pair(kind.radius, kind.mass); });
   kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
   if (kinds.size() > TemperatureByKind::max_kinds) kinds.resize(TemperatureByKind::max_kinds + 1);
 }

@@ -207,34 +207,35 @@ TEST_P(Faults, TerminatedAtAnyMomentARunResumesToTheSameBits) { stop_at_random_m
 
 INSTANTIATE_TEST_SUITE_P(
     Engines, Faults,
-    testing::Values(Kind{"stepped", "run.steps = 3000"}, Kind{"linked", "run.steps = 2000\nengine.grid = \"linked\""},
-                    Kind{"tiled", "run.steps = 3000\nengine.kind = \"tiled\"\nengine.threads = 2"},
-                    Kind{"exact", "run.steps = 4000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""},
-                    Kind{"exact_within_steps",
-                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"",
-                         false},
-                    Kind{"brownian_within_steps",
-                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
-                         "thermostat.kind = \"brownian\"",
-                         false},
-                    Kind{"andersen_within_steps",
-                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\n"
-                         "thermostat.kind = \"andersen\"",
-                         false},
-                    Kind{"grains_within_steps",
-                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\ngravity.y = -1.0\n"
-                         "collisions.restitution = 0.95\ncollisions.contact_time = 1e-3",
-                         false},
-                    Kind{"active", "run.steps = 3000\nengine.kind = \"tiled\"\npropulsion.speed = 1.0\n"
-                                   "propulsion.rotational_diffusion = 3.0"},
-                    Kind{"brownian_active",
-                         "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
-                         "thermostat.kind = \"brownian\"\npropulsion.speed = 1.0\npropulsion.rotational_diffusion = 3.0",
-                         false},
-                    Kind{"births_and_deaths",
-                         "run.steps = 1200\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
-                         "epidemic.turnover_rate = 0.02\nengine.threads = 2"},
-                    Kind{"events", "run.steps = 300\nmodel.kind = \"catalyst\"\ncatalyst.hop_rate = 20.0"}),
+    testing::Values(
+        Kind{"stepped", "run.steps = 3000"}, Kind{"linked", "run.steps = 2000\nengine.grid = \"linked\""},
+        Kind{"tiled", "run.steps = 3000\nengine.kind = \"tiled\"\nengine.threads = 2"},
+        Kind{"exact", "run.steps = 4000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""},
+        Kind{"exact_within_steps",
+             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"", false},
+        Kind{"brownian_within_steps",
+             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
+             "thermostat.kind = \"brownian\"",
+             false},
+        Kind{"andersen_within_steps",
+             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\n"
+             "thermostat.kind = \"andersen\"",
+             false},
+        Kind{"grains_within_steps",
+             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\ngravity.y = -1.0\n"
+             "collisions.restitution = 0.95\ncollisions.contact_time = 1e-3",
+             false},
+        Kind{"active",
+             "run.steps = 3000\nengine.kind = \"tiled\"\npropulsion.speed = 1.0\n"
+             "propulsion.rotational_diffusion = 3.0"},
+        Kind{"brownian_active",
+             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
+             "thermostat.kind = \"brownian\"\npropulsion.speed = 1.0\npropulsion.rotational_diffusion = 3.0",
+             false},
+        Kind{"births_and_deaths",
+             "run.steps = 1200\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
+             "epidemic.turnover_rate = 0.02\nengine.threads = 2"},
+        Kind{"events", "run.steps = 300\nmodel.kind = \"catalyst\"\ncatalyst.hop_rate = 20.0"}),
     [](auto const& instance) { return std::string(instance.param.name); });
 
 Kind const quick{"quick", "run.steps = 6000"};
