@@ -79,7 +79,7 @@ void require_name_of_file(Configuration const& configuration, IsGiven const& is_
 /// Refuses box.edge where edge_x and edge_y say otherwise: it would have no effect.
 void require_one_edge(BoxSettings const& box, IsGiven const& is_given) {
   if (!is_given("box.edge") || box.edge_x == AxisEdge::same || box.edge_y == AxisEdge::same) return;
-  if (edge_x_of(box) == box.edge && edge_y_of(box) == box.edge) return;
+  if (edge_x_of(box) == box.edge || edge_y_of(box) == box.edge) return;
   auto const name = [](Edge edge) { return edge == Edge::wall ? "wall" : "periodic"; };
   throw Error({.what = fmt::format("box.edge = \"{}\" contradicts box.edge_x = \"{}\" and box.edge_y = \"{}\"",
                                    name(box.edge), name(edge_x_of(box)), name(edge_y_of(box))),

@@ -58,6 +58,9 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   setup.configuration = std::move(configuration);
   // The settings of other models are removed, since they would be written into config.resolved.toml without effect.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
+  // box.edge, which has no effect beside both others, is written as one of them, so that the three do not contradict.
+  BoxSettings& box = setup.configuration.box;
+  if (box.edge_x != AxisEdge::same && box.edge_y != AxisEdge::same) box.edge = edge_x_of(box);
   RunSettings& run = setup.configuration.run;
   if (!run.steps && !run.time && !run.collisions_per_disk) {
     run.steps = setup.configuration.protocol.empty() ? default_steps : 0;

@@ -37,6 +37,29 @@ TEST(Resume, MakesAFinishedRunLongerWithTheBytesOfARunThatLong) {
   EXPECT_NE(again.err.find("has come to step 400"), std::string::npos) << again.err;
 }
 
+TEST(Resume, ReadsWhatARunOfAnyDynamicsHasWritten) {
+  for (std::string const dynamics :
+       {"box.edge_x = \"periodic\"\n", "box.edge_x = \"periodic\"\nbox.edge_y = \"periodic\"\n",
+        "box.edge_x = \"periodic\"\nbox.edge_y = \"wall\"\n", "propulsion.speed = 0.5\n",
+        "engine.kind = \"exact\"\npropulsion.speed = 0.5\nthermostat.kind = \"brownian\"\n",
+        "engine.kind = \"exact\"\ngravity.y = -1.0\ncollisions.restitution = 0.9\nwalls = [{ from = [0.0, 1.0], to = "
+        "[1.0, "
+        "1.0] }]\n",
+        "engine.kind = \"exact\"\ndisks.species = [{ fraction = 0.5, fixed = true }, { fraction = 0.5 }]\n"
+        "collisions.restitution_by_kind = [0.8, 1.0, 1.0]\n"}) {
+    Workplace const workplace;
+    write(workplace / "a.toml",
+          dynamics + "disks.count = 64\ndisks.packing_fraction = 0.3\nobserve.every = 20\nrun.steps = 60\n");
+    Outcome const first = in(workplace, {"run", "a.toml", "-o", "parts", "--no-pictures", "-q"});
+    ASSERT_EQ(first.exit_code, 0) << dynamics << first.err;
+    Outcome const longer = in(workplace, {"resume", "parts", "--steps", "100", "--no-pictures", "-q"});
+    EXPECT_EQ(longer.exit_code, 0) << dynamics << longer.err;
+    Outcome const whole = in(workplace, {"run", "parts/config.resolved.toml", "-o", "whole", "--no-pictures", "-q"});
+    EXPECT_EQ(whole.exit_code, 0) << dynamics << whole.err;
+    EXPECT_EQ(text_of(workplace / "parts/final.xyz"), text_of(workplace / "whole/final.xyz")) << dynamics;
+  }
+}
+
 TEST(Resume, OfAFinishedRunOfAModelSaysHowToMakeItLonger) {
   Workplace const workplace;
   write(workplace / "a.toml", "model.kind = \"epidemic\"\nepidemic.count = 50\nrun.steps = 20\n");
