@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "observe/mobile.hpp"
+
 namespace gridlock {
 
 std::vector<ColumnInfo> Displacement::columns() const {
@@ -37,12 +39,13 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   double const side = box.side();
   auto const ids = now.agents.ids();
   Sites const sites(now.agents);
+  MobileAgents const mobile(now.agents);
   enum Sum : std::size_t { of_length, of_square, of_x, of_y, sums };
   SumsOfBlocks<agent_blocks, sums> terms;
   std::array<std::uint64_t, agent_blocks> counts{};
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Site const* const from = sites_.find(ids[i], i);
-    if (from == nullptr) continue;
+    if (from == nullptr || !mobile.has(i)) continue;
     Vector const moved = sites.moved(box, *from, i);
     double const squared = squared_length(moved);
     std::size_t const block = blocks_.block_of(ids[i]);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gridlock/parallel/detail/collectives.hpp"
+#include "observe/mobile.hpp"
 #include "observe/motion.hpp"
 
 namespace gridlock {
@@ -55,6 +56,7 @@ std::vector<CountedMass> masses_of(Snapshot const& now) {
   constexpr std::size_t many = std::size_t{1} << 16U;
   auto const column = now.agents.column<Mass>();
   std::vector<double> masses(column.begin(), column.end());
+  std::erase_if(masses, [](double mass) { return std::isinf(mass); });  // fixed disks
   std::ranges::sort(masses);
   std::vector<CountedMass> counted;
   for (double const mass : masses) add_counted(counted, {mass, 1});
@@ -80,7 +82,7 @@ std::vector<CountedMass> masses_of(Snapshot const& now) {
 void Speed::begin(Snapshot const& start) {
   reset({{"mean_speed", "length / time", "Mean speed of the agents."},
          {"speed_moment_ratio", "", "⟨v⁴⟩/⟨v²⟩², with energies for unequal masses; 2 in thermal equilibrium."}});
-  auto const n = static_cast<double>(start.count());
+  auto const n = static_cast<double>(count_of_moving(start));
   std::vector<CountedMass> const masses = masses_of(start);
   masses_.clear();
   for (auto const& [mass, agents] : masses) masses_.push_back({mass, static_cast<double>(agents) / n});
@@ -94,7 +96,8 @@ void Speed::begin(Snapshot const& start) {
 
 void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   AgentsView const& agents = now.agents;
-  auto const n = static_cast<double>(now.count());
+  auto const n = static_cast<double>(count_of_moving(now));
+  MobileAgents const mobile(agents);
   auto const mass = agents.column<Mass>();
   auto const velocity_x = agents.column<VelocityX>();
   auto const velocity_y = agents.column<VelocityY>();
@@ -102,6 +105,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
   auto const bins = static_cast<double>(counts_.size());
   auto const [speeds, energies, squared_energies] = now.sum([&](std::size_t i) {  // twice the kinetic energies
+    if (!mobile.has(i)) return std::array{0.0, 0.0, 0.0};
     double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
     double const speed = std::sqrt(squared_speed);
     double const energy = mass[i] * squared_speed;

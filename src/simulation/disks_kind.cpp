@@ -270,6 +270,11 @@ class DisksKind final : public ModelKind {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_propulsion(engine_record(configuration.engine.kind), configuration.engine);
     require_valid(configuration.protocol);
+    if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {
+      throw Error({.what = "the stages of a protocol know no walls inside the box",
+                   .hint = "take [[protocol]] or [[walls]] out",
+                   .key = "walls"});
+    }
     require_no_overlaps_in_run(configuration);
   }
   void build(Setup& setup, SetupOptions const& options) const override;

@@ -46,12 +46,15 @@ std::optional<Event> may_collapse(CollisionSettings const& collisions) {
 }
 
 void require_floor(EngineSettings const& settings, State const& state) {
-  bool const is_held = settings.thermostat.kind != ThermostatKind::none || settings.collisions.lose_energy();
+  // Collisions of disks keep their common motion, which only a bath, or what never moves, can stop.
+  bool const has_obstacles = !settings.walls.empty() || count_of_fixed(state.agents) > 0;
+  bool const is_held =
+      settings.thermostat.kind != ThermostatKind::none || (settings.collisions.lose_energy() && has_obstacles);
   auto const refuse = [&](std::string const& axis, double gravity) {
     throw Error(
         {.what = fmt::format("gravity.{} = {} along periodic edges: the disks would fall without end, ever faster",
                              axis, gravity),
-         .hint = fmt::format("use box.edge = \"wall\", or a thermostat, whose kicks make them drift"),
+         .hint = fmt::format("use walls along this axis, a thermostat, or losses and fixed disks"),
          .key = fmt::format("gravity.{}", axis)});
   };
   if (is_held) return;

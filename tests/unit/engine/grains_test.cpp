@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/setup.hpp"
 
 namespace gridlock {
@@ -67,6 +70,29 @@ TEST(FixedDisks, StopOthersInEveryEngineAndStay) {
   }
 }
 
+TEST(FixedDisks, CountInNoMeanOfMotion) {
+  Configuration configuration;
+  configuration.disks = {
+      .count = 100, .packing_fraction = 0.2, .species = {{.fraction = 0.5, .fixed = true}, {.fraction = 0.5}}};
+  configuration.velocities.max = 1.0;
+  configuration.engine.kind = "exact";
+  configuration.run.steps = 100;
+  gridlock::Setup const setup = set_up(configuration);
+  gridlock::Run run(*setup.simulation, plan_of(setup));
+  run.advance();
+  double energy = 0.0;
+  double moment_ratio = 0.0;
+  for (auto const& [name, estimate, unit] : run.record().results) {
+    if (name == "kinetic_energy") energy = estimate.value;
+    if (name == "speed_moment_ratio") moment_ratio = estimate.value;
+    if (name == "mean_speed") {
+      EXPECT_NEAR(estimate.value, std::sqrt(std::numbers::pi / 2.0 * energy / 50.0), 0.15 * estimate.value);
+    }
+  }
+  EXPECT_GT(energy, 0.0);
+  EXPECT_NEAR(moment_ratio, 2.0, 0.4);
+}
+
 Configuration falling(Edge edge) {
   Configuration configuration;
   configuration.box = {.edge = edge, .width = 3.0, .height = 2.0};
@@ -84,6 +110,11 @@ TEST(Gravity, AlongPeriodicEdgesNeedsSomethingThatHoldsTheDisks) {
   } catch (Error const& error) {
     EXPECT_EQ(error.problems().front().key, "gravity.y");
   }
+  Configuration losing = falling(Edge::periodic);
+  losing.engine.collisions.restitution = 0.8;
+  EXPECT_THROW(set_up(losing), Error) << "collisions of disks keep their common motion";
+  losing.disks.species = {{.fraction = 0.2, .fixed = true}, {.fraction = 0.8}};
+  EXPECT_NO_THROW(set_up(losing));
   Configuration kicked = falling(Edge::periodic);
   kicked.engine.thermostat.kind = ThermostatKind::brownian;
   EXPECT_NO_THROW(set_up(kicked));

@@ -3,6 +3,8 @@ import type { Paint } from "./colouring.ts";
 import { markRadius, numberAt, periodicAxes, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
 import { outlineWidth } from "./packed_agents.ts";
 import {
+  borders,
+  borderWidth,
   boxRectangle,
   CIRCLE_TICKS,
   LEGEND_HEIGHT,
