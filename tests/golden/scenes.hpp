@@ -138,7 +138,7 @@ inline std::vector<Scene> scenes_of_exact() {
       {.name = "brownian_active",
        .box = Box(1.2, 1.0, Edge::periodic),
        .disks = {.count = 300, .packing_fraction = 0.4, .start = StartKind::random},
-       .engine = {.thermostat = brownian, .propulsion = {.speed = 1.5, .rotational_diffusion = 5.0}},
+       .engine = {.speed = 1.5, .thermostat = brownian, .propulsion = {.speed = 1.5, .rotational_diffusion = 5.0}},
        .time = 0.5},
   };
 }

@@ -40,6 +40,21 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "Disks that swim into each other halt until their headings have turned away: while they wait, others arrive. The chart of *effective swim speed* falls as clusters grow.",
     ask: "Disks do not attract each other. Why do they gather all the same, and why not where *Rotational diffusion D_R* is large?",
   },
+  channel: {
+    act: "Press *Run*. Look at the order of the disks from left to right, now and after a while.",
+    see: "The channel is too narrow for two disks side by side: none passes another. The left and the right edge are one.",
+    ask: "The chart *Mean displacement* grows more slowly than in a wide box. Who stands in the way of a disk, and of the one behind it?",
+  },
+  hopper: {
+    act: "Press *Run*. Then set *Restitution e* to 0.5, and *Gravity* to -3.",
+    see: "Grains fall on two slanted walls, which are not drawn, and flow out through the gap between them.",
+    ask: "Does the flow stop while grains are left above the gap? What would a narrower gap change?",
+  },
+  lorentz: {
+    act: "Press *Run*. Click a small disk and follow it.",
+    see: "Large disks are fixed. Small ones fly straight from one to the next, and now and then through an empty site to other rows.",
+    ask: "A small disk keeps its speed when it hits a large one. Why does it forget its direction all the same, and how fast?",
+  },
   epidemic_mixed: {
     act: "Press *Run*. Then set *Speed* to 0.005, so that each meets the same few others again and again.",
     see: "The curve of the infected: how high its peak is, and when it comes.",

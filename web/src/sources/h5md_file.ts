@@ -37,6 +37,8 @@ export class H5mdFile implements FrameReader {
   private readonly elements: readonly Element[];
   private readonly ids: Dataset | undefined;
   private readonly path: string;
+  /** Observables whose numbers cannot be read. */
+  private readonly damaged: string[] = [];
 
   constructor(private readonly name: string, private readonly file: File) {
     const agents = this.agentsGroup();
@@ -142,7 +144,10 @@ export class H5mdFile implements FrameReader {
 
   private notes(): string[] {
     const others = this.groupsWithPositions().slice(1);
-    return others.length === 0 ? [] : [`The file also has ${others.join(", ")}; of several groups of agents the first is shown.`];
+    return [
+      ...(others.length === 0 ? [] : [`The file also has ${others.join(", ")}; of several groups of agents the first is shown.`]),
+      ...this.damaged.map((name) => `The numbers of ${name} are damaged, so that its chart is missing.`),
+    ];
   }
 
   private agentsGroup(): string {
@@ -195,7 +200,12 @@ export class H5mdFile implements FrameReader {
       const data = this.dataset(`/observables/${name}/value`);
       if (data === undefined || !isNumbers(data) || (data.shape ?? []).length !== 1 || (data.shape as number[])[0] as number < frames) return [];
       const unit = data.attrs["reduced_unit"]?.value ?? data.attrs["unit"]?.value ?? "";
-      return [{ name, unit: String(unit), values: Array.from(data.slice([[0, frames]]) as ArrayLike<number>, Number) }];
+      try {
+        return [{ name, unit: String(unit), values: Array.from(data.slice([[0, frames]]) as ArrayLike<number>, Number) }];
+      } catch {
+        this.damaged.push(name);
+        return [];
+      }
     });
   }
 
