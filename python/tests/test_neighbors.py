@@ -140,8 +140,8 @@ def test_pairs_of_disks_are_those_of_brute_force(box, ratio, reach):
     radius = np.where(random.random(300) < 0.1, 1.0, 1.0 / ratio) * 0.05 * min(box[:2])
     contact = reach.get("factor", 1.0) * (radius[:, None] + radius) + reach.get("gap", 0.0)
     difference = points[:, None] - points
-    if box[2]:
-        difference -= np.array(box[:2]) * np.round(difference / np.array(box[:2]))
+    periods = np.where([box.periodic_x, box.periodic_y], box[:2], np.inf)
+    difference -= np.array(box[:2]) * np.round(difference / periods)
     near = np.argwhere(np.triu(np.hypot(difference[..., 0], difference[..., 1]) < contact, k=1))
     assert len(near) > 0
     for threads in (1, 2):

@@ -45,7 +45,7 @@ def public(tmp_path):
         made, made.table, made.means, run, run.trajectory, run.trajectory.contacts, run.final, run.series, run.results, run.results["mean_speed"], box,
         gridlock.neighbors(points, 0.05, box), gridlock.voronoi(points, box), gridlock.pair_correlation(points, box, range=0.1),
         gridlock.structure_factor(points, box, largest_q=50.0), gridlock.dynamics(series), gridlock.contacts(points, 0.004, box, stiffness=False),
-        gridlock.spectral_density(points, 0.004, box, largest_q=50.0), gridlock.combine([(points, points), (points, points)]),
+        gridlock.spectral_density(points, 0.004, box, largest_q=50.0), gridlock.density_profile(points, box, bins=2000), gridlock.combine([(points, points), (points, points)]),
         gridlock.FrameContacts(run.final.clock, np.zeros((9000, 2), dtype=np.uint64), np.zeros(9000)),
         simulation, simulation.agents, simulation.clock, simulation.columns[0], Crowd(), Crowd.count, *shown, gridlock.Error("wrong"),
     ]

@@ -7,6 +7,7 @@ import os
 import pathlib
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -167,7 +168,11 @@ def _draw_curves(artist: _Artist, run: RunDirectory, last: Frame) -> None:
         artist.chart("speed_distribution", lambda axes: curve(run, "speed_distribution", axes=axes))
     for name in ("density_profile_x", "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes"):
         if _has(run.path, f"{name}.csv"):
-            artist.chart(name, lambda axes, name=name: curve(run, name, axes=axes))
+            artist.chart(name, partial(_draw_curve, run, name))
+
+
+def _draw_curve(run: RunDirectory, name: str, axes: Any) -> None:
+    curve(run, name, axes=axes)
 
 
 def _draw_series(artist: _Artist, run: RunDirectory, column: str) -> None:
