@@ -76,14 +76,14 @@ void require_name_of_file(Configuration const& configuration, IsGiven const& is_
   throw Error({.what = "disks.file is empty", .hint = "name a file, or leave the setting out", .key = "disks.file"});
 }
 
-/// Refuses box.edge where edge_x and edge_y say otherwise: it would have no effect.
+/// Refuses box.edge where both edge_x and edge_y say otherwise: it would have no effect.
 void require_one_edge(BoxSettings const& box, IsGiven const& is_given) {
   if (!is_given("box.edge") || box.edge_x == AxisEdge::same || box.edge_y == AxisEdge::same) return;
   if (edge_x_of(box) == box.edge || edge_y_of(box) == box.edge) return;
   auto const name = [](Edge edge) { return edge == Edge::wall ? "wall" : "periodic"; };
   throw Error({.what = fmt::format("box.edge = \"{}\" contradicts box.edge_x = \"{}\" and box.edge_y = \"{}\"",
                                    name(box.edge), name(edge_x_of(box)), name(edge_y_of(box))),
-               .hint = "leave box.edge out, or give the one of the other two that differs from it",
+               .hint = "leave box.edge out, or one of the other two",
                .key = "box.edge"});
 }
 

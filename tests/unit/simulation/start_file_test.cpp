@@ -78,7 +78,8 @@ TEST(SetUpOfEdges, AnEdgeThatBothAxesContradictIsRefused) {
   EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"periodic\" }\nrun.steps = 1\n"), "");
   EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"wall\", edge_y = \"wall\" }\nrun.steps = 1\n"), "");
   EXPECT_EQ(refused("box = { edge_x = \"periodic\", edge_y = \"wall\" }\nrun.steps = 1\n"), "");
-  EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"periodic\", edge_y = \"wall\" }\nrun.steps = 1\n"),
+  EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"periodic\", edge_y = \"wall\" }\nrun.steps = 1\n"), "");
+  EXPECT_EQ(refused("box = { edge = \"wall\", edge_x = \"periodic\", edge_y = \"periodic\" }\nrun.steps = 1\n"),
             "box.edge");
 }
 
