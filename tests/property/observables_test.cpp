@@ -262,11 +262,10 @@ std::vector<Numbers> measured_on_ranks(Case const& c, std::size_t ranks, std::ui
 TEST(ObservablesOnRanks, MeasureTheBitsOfOneProcess) {
   for (Case const& c : cases()) {
     Numbers const expected = measured(c);
-    for (std::size_t ranks = 1; ranks <= 6; ++ranks) {
-      for (std::uint64_t const shuffle_seed : {0U, 3000U}) {
-        for (Numbers const& numbers : measured_on_ranks(c, ranks, shuffle_seed)) {
-          ASSERT_EQ(numbers, expected) << name_of(c) << " on " << ranks << " ranks";
-        }
+    for (auto const& [ranks, shuffle_seed] :
+         {std::pair<std::size_t, std::uint64_t>{1, 0}, {2, 3000}, {3, 0}, {6, 3000}}) {
+      for (Numbers const& numbers : measured_on_ranks(c, ranks, shuffle_seed)) {
+        ASSERT_EQ(numbers, expected) << name_of(c) << " on " << ranks << " ranks";
       }
     }
   }
