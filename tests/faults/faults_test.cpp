@@ -425,10 +425,10 @@ TEST(FullDisk, FilledUpByOthersInTheMiddleEndsTheRunWhichResumesToTheSameBits) {
   WholeRun const whole(longer, workplace.path());
   // A small disk of its own, which goes with the shell.
   write(workplace / "script", R"(
-mount -t tmpfs -o size=8m tmpfs disk || exit 77
+mount -t tmpfs -o size=24m tmpfs disk || exit 77
 "$1" run run.toml -o disk/run -q --no-pictures &
 for wait in {1..1000}; do [ -e disk/run/checkpoint.previous.gridlock ] || sleep 0.01; done
-head -c 9m /dev/zero >disk/others 2>/dev/null
+head -c 25m /dev/zero >disk/others 2>/dev/null
 wait $!; echo "run $?"
 rm disk/others
 "$1" resume disk/run -q --no-pictures; echo "resume $?"
