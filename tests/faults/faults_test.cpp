@@ -222,14 +222,14 @@ INSTANTIATE_TEST_SUITE_P(
              "thermostat.kind = \"andersen\"",
              false},
         Kind{"grains_within_steps",
-             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\ngravity.y = -1.0\n"
-             "collisions.restitution = 0.95\ncollisions.contact_time = 1e-3",
+             "run.steps = 30\nengine.kind = \"exact\"\nengine.time_step = 2.0\ngravity.y = -1.0\n"
+             "collisions.restitution = 0.99\ncollisions.contact_time = 1e-3",
              false},
         Kind{"active",
-             "run.steps = 3000\nengine.kind = \"tiled\"\npropulsion.speed = 1.0\n"
+             "run.steps = 1500\nengine.kind = \"tiled\"\npropulsion.speed = 1.0\n"
              "propulsion.rotational_diffusion = 3.0"},
         Kind{"brownian_active",
-             "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
+             "run.steps = 24\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"\n"
              "thermostat.kind = \"brownian\"\npropulsion.speed = 1.0\npropulsion.rotational_diffusion = 3.0",
              false},
         Kind{"births_and_deaths",
