@@ -8,10 +8,10 @@
 
 namespace gridlock {
 
-std::size_t count_of_fixed(Disks const& disks) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < disks.size(); ++i) count += is_fixed(disks, i) ? 1U : 0U;
-  return count;
+std::size_t count_of_fixed(Disks const& disks) { return count_of_fixed(disks.column<Mass>()); }
+
+std::size_t count_of_fixed(std::span<double const> masses) {
+  return static_cast<std::size_t>(std::ranges::count_if(masses, [](double mass) { return is_fixed(mass); }));
 }
 
 RadiusRange radius_range(Disks const& disks) {
@@ -42,7 +42,7 @@ double kinetic_energy(AgentsView const& agents) {
   auto const velocity_y = agents.column<VelocityY>();
   double twice = 0.0;
   for (std::size_t i = 0; i < agents.size(); ++i) {
-    if (!std::isinf(mass[i])) twice += mass[i] * squared_length({velocity_x[i], velocity_y[i]});
+    if (!is_fixed(mass[i])) twice += mass[i] * squared_length({velocity_x[i], velocity_y[i]});
   }
   return 0.5 * twice;
 }
@@ -53,7 +53,7 @@ Vector momentum(AgentsView const& agents) {
   auto const velocity_y = agents.column<VelocityY>();
   Vector sum;
   for (std::size_t i = 0; i < agents.size(); ++i) {
-    if (!std::isinf(mass[i])) sum = sum + mass[i] * Vector{velocity_x[i], velocity_y[i]};
+    if (!is_fixed(mass[i])) sum = sum + mass[i] * Vector{velocity_x[i], velocity_y[i]};
   }
   return sum;
 }

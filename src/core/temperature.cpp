@@ -1,7 +1,6 @@
 #include "core/temperature.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace gridlock {
@@ -35,8 +34,7 @@ std::optional<double> temperature_without_drift(Box const& box, std::size_t agen
 
 std::optional<double> temperature(Box const& box, AgentsView const& agents) {
   double const energy = kinetic_energy(agents);
-  auto const masses = agents.column<Mass>();
-  auto const fixed = static_cast<std::size_t>(std::ranges::count_if(masses, [](double m) { return std::isinf(m); }));
+  std::size_t const fixed = count_of_fixed(agents.column<Mass>());
   if (!box.has_images() || fixed > 0) return temperature_between_walls(agents.size() - fixed, energy);
   return temperature_without_drift(box, agents.size(), energy, momentum(agents), total_mass(agents));
 }

@@ -7,7 +7,10 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include "engine/exact/dynamics.hpp"
 #include "engine/heading_columns.hpp"
@@ -64,7 +67,7 @@ void require_masses_of_like_size(State const& state) {
   for (std::size_t i = 0; i < state.agents.size(); ++i) squared_speeds += squared_length(velocity(state.agents, i));
   double const lightest = *std::ranges::min_element(masses);
   double heaviest = lightest;
-  for (double const mass : masses) heaviest = std::isfinite(mass) ? std::max(heaviest, mass) : heaviest;
+  for (double const mass : masses) heaviest = is_fixed(mass) ? heaviest : std::max(heaviest, mass);
   double const square_of_ratio = 2.0 * kinetic_energy(state.agents) / (lightest * squared_speeds);
   if (!(square_of_ratio > max_speed_ratio * max_speed_ratio)) return;
   throw Error(
@@ -80,6 +83,21 @@ double thermal_speed_squared(State const& state, double temperature) {
   double sum = 0.0;  // in the order of the Ids
   for (std::uint32_t const row : rows_in_order(state.agents.ids())) sum += 1.0 / state.agents.column<Mass>()[row];
   return 2.0 * temperature * sum / static_cast<double>(state.agents.size());
+}
+
+/// Returns the headings of all disks of a frame, where that of a fixed disk is (0, 0); nothing if `of_moving` are not
+/// those of its disks that move.
+std::vector<Vector> headings_of_all(std::span<Vector const> of_moving, FrameSource const& frame) {
+  if (of_moving.empty()) return {};
+  auto const masses = std::get<std::vector<double>>(frame.values(*frame.find(Mass::name), 0, frame.size()));
+  auto const is_moving = [](double mass) { return !is_fixed(mass); };
+  if (static_cast<std::size_t>(std::ranges::count_if(masses, is_moving)) != of_moving.size()) return {};
+  std::vector<Vector> headings(masses.size());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    if (is_moving(masses[i])) headings[i] = of_moving[next++];
+  }
+  return headings;
 }
 
 /// The least number of disks for threads: with fewer, every disk of a strip would be near its border.
@@ -251,11 +269,9 @@ bool ExactEngine::pass_steps_until(double time, Clock& clock) {
 }
 
 void ExactEngine::give_frame(FrameSource const& of_world, UseFrame const& use) const {
-  if (!thermostat_ || thermostat_->headings().size() != of_world.size()) {
-    give_frame_with_headings(propulsion_, of_world, use);
-  } else {
-    give_frame_with_headings(propulsion_, thermostat_->headings(), of_world, use);
-  }
+  std::span<Vector const> of_moving;
+  if (thermostat_) of_moving = thermostat_->headings();
+  give_frame_with_headings(propulsion_, headings_of_all(of_moving, of_world), of_world, use);
 }
 
 std::uint64_t ExactEngine::made_audits() const {

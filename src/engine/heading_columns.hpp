@@ -12,7 +12,7 @@ namespace gridlock {
 /// are the directions of the velocities; that of a disk at rest is (0, 0).
 void give_frame_with_headings(PropulsionSettings const& propulsion, FrameSource const& of_world, UseFrame const& use);
 
-/// The same for these headings, which are in the order of the Ids.
+/// The same for these headings of all disks in the order of the Ids; if there are none, for those of the velocities.
 void give_frame_with_headings(PropulsionSettings const& propulsion, std::span<Vector const> headings,
                               FrameSource const& of_world, UseFrame const& use);
 

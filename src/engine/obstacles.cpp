@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gridlock {
 
@@ -11,12 +12,6 @@ namespace {
 
 /// Cells for each obstacle, about, as long as disks fit into a cell.
 constexpr double cells_per_obstacle = 4.0;
-/// Largest number of cells along a side.
-constexpr double max_cells_along_side = 4096.0;
-
-std::size_t cells_along(double length, double side) {
-  return static_cast<std::size_t>(std::clamp(std::floor(length / side), 1.0, max_cells_along_side));
-}
 
 }  // namespace
 
@@ -54,30 +49,23 @@ Obstacles::Obstacles(Box const& box, std::span<Obstacle const> obstacles, double
     }
   }
   if (all_.empty()) return;
-  double const wanted = std::sqrt(box.area() / (cells_per_obstacle * static_cast<double>(all_.size())));
-  double const side = std::max(wanted, 2.0 * largest_radius);
-  columns_ = cells_along(box.width(), side);
-  rows_ = cells_along(box.height(), side);
-  columns_per_length_ = static_cast<double>(columns_) / box.width();
-  rows_per_length_ = static_cast<double>(rows_) / box.height();
-  Vector const cell{box.width() / static_cast<double>(columns_), box.height() / static_cast<double>(rows_)};
+  // A box in which no disk moves has no radius to fit into the cells.
+  double const cutoff = std::max(2.0 * largest_radius, std::numeric_limits<double>::min());
+  layout_ = layout_for_cutoff(Box(box.width(), box.height(), Edge::wall), cutoff, all_.size(), cells_per_obstacle);
+  Vector const cell{layout_.cell_width(), layout_.cell_height()};
   double const half_diagonal = 0.5 * std::sqrt(squared_length(cell));
-  std::vector<std::vector<std::uint32_t>> of_cell(columns_ * rows_);
+  std::vector<std::vector<std::uint32_t>> of_cell(static_cast<std::size_t>(layout_.count()));
   for (std::uint32_t k = 0; k < all_.size(); ++k) {
     Obstacle const& obstacle = all_[k];
     double const reach = reach_of(obstacle);
     double const farthest = reach + half_diagonal;
-    std::size_t const last_column = column_of(std::max(obstacle.from.x, obstacle.to.x) + reach);
-    std::size_t const last_row = row_of(std::max(obstacle.from.y, obstacle.to.y) + reach);
-    for (std::size_t row = row_of(std::min(obstacle.from.y, obstacle.to.y) - reach); row <= last_row; ++row) {
-      for (std::size_t column = column_of(std::min(obstacle.from.x, obstacle.to.x) - reach); column <= last_column;
-           ++column) {
-        Vector const middle{(static_cast<double>(column) + 0.5) * cell.x, (static_cast<double>(row) + 0.5) * cell.y};
-        if (squared_length(middle - obstacle.nearest_to(middle)) <= farthest * farthest) {
-          of_cell[row * columns_ + column].push_back(k);
-        }
-      }
-    }
+    auto const [left, right] = std::minmax(obstacle.from.x, obstacle.to.x);
+    auto const [bottom, top] = std::minmax(obstacle.from.y, obstacle.to.y);
+    for_each_cell({left - reach, bottom - reach}, {right + reach, top + reach}, [&](int column, int row) {
+      Vector const middle{(static_cast<double>(column) + 0.5) * cell.x, (static_cast<double>(row) + 0.5) * cell.y};
+      if (squared_length(middle - obstacle.nearest_to(middle)) > farthest * farthest) return;
+      of_cell[cell_at(column, row)].push_back(k);
+    });
   }
   begin_of_cell_.push_back(0);
   for (std::vector<std::uint32_t> const& names : of_cell) {

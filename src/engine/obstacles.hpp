@@ -10,6 +10,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/vector.hpp"
 #include "gridlock/engine/grains.hpp"
+#include "gridlock/grid/cell_layout.hpp"
 
 namespace gridlock {
 
@@ -51,30 +52,29 @@ class Obstacles {
   /// some of them twice. Contract: the obstacles are not empty.
   template <class Visit>
   void for_each_near(Vector lower, Vector upper, Visit visit) const {
-    std::size_t const last_column = column_of(upper.x);
-    std::size_t const last_row = row_of(upper.y);
-    for (std::size_t row = row_of(lower.y); row <= last_row; ++row) {
-      for (std::size_t column = column_of(lower.x); column <= last_column; ++column) {
-        std::size_t const cell = row * columns_ + column;
-        for (std::size_t k = begin_of_cell_[cell]; k < begin_of_cell_[cell + 1]; ++k) visit(in_cells_[k]);
-      }
-    }
+    for_each_cell(lower, upper, [&](int column, int row) {
+      std::size_t const cell = cell_at(column, row);
+      for (std::size_t k = begin_of_cell_[cell]; k < begin_of_cell_[cell + 1]; ++k) visit(in_cells_[k]);
+    });
   }
 
  private:
-  [[nodiscard]] std::size_t column_of(double x) const { return index_of(x, columns_per_length_, columns_); }
-  [[nodiscard]] std::size_t row_of(double y) const { return index_of(y, rows_per_length_, rows_); }
-  static std::size_t index_of(double coordinate, double per_length, std::size_t count) {
-    double const index = coordinate * per_length;
-    if (!(index > 0.0)) return 0;
-    return index < static_cast<double>(count) ? static_cast<std::size_t>(index) : count - 1;
+  /// Calls visit(column, row) for the cells of a rectangle.
+  template <class Visit>
+  void for_each_cell(Vector lower, Vector upper, Visit visit) const {
+    int const last_column = layout_.column_of(upper.x);
+    int const last_row = layout_.row_of(upper.y);
+    for (int row = layout_.row_of(lower.y); row <= last_row; ++row) {
+      for (int column = layout_.column_of(lower.x); column <= last_column; ++column) visit(column, row);
+    }
+  }
+  [[nodiscard]] std::size_t cell_at(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(layout_.columns()) +
+           static_cast<std::size_t>(column);
   }
 
   std::vector<Obstacle> all_;
-  std::size_t columns_ = 1;
-  std::size_t rows_ = 1;
-  double columns_per_length_ = 0.0;
-  double rows_per_length_ = 0.0;
+  CellLayout layout_;  ///< of a box between walls, since images are obstacles of their own
   std::vector<std::size_t> begin_of_cell_;
   std::vector<std::uint32_t> in_cells_;
 };

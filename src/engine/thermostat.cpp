@@ -18,15 +18,11 @@ constexpr double default_flight = 0.05;
 
 constexpr std::array<std::string_view, 3> kinds{"none", "andersen", "brownian"};
 
+/// Returns the mean mass of the disks that move.
 double mean_mass(Disks const& disks) {
   double sum = 0.0;
-  std::size_t moving = 0;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    if (is_fixed(disks, i)) continue;
-    sum += disks.column<Mass>()[i];
-    ++moving;
-  }
-  return sum / static_cast<double>(moving);
+  for (double const mass : disks.column<Mass>()) sum += is_fixed(mass) ? 0.0 : mass;
+  return sum / static_cast<double>(disks.size() - count_of_fixed(disks));
 }
 
 /// Kicks that come so often that disks do not move between them would never end. `speed` is in diameters per time.

@@ -23,7 +23,7 @@ struct alignas(64) DiskInTurn {
   std::uint32_t id_index;      ///< index in the order of the Ids
   std::uint32_t row_in_state;  ///< row of the disk in the state
 
-  [[nodiscard]] bool is_fixed() const { return mass == std::numeric_limits<double>::infinity(); }
+  [[nodiscard]] bool is_fixed() const { return gridlock::is_fixed(mass); }
 };
 static_assert(sizeof(DiskInTurn) == 64);
 

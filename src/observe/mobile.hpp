@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -15,7 +14,7 @@ class MobileAgents {
   explicit MobileAgents(AgentsView const& agents) {
     if (agents.has<Mass>()) masses_ = agents.column<Mass>();
   }
-  [[nodiscard]] bool has(std::size_t row) const { return masses_.empty() || !std::isinf(masses_[row]); }
+  [[nodiscard]] bool has(std::size_t row) const { return masses_.empty() || !is_fixed(masses_[row]); }
 
  private:
   std::span<double const> masses_;

@@ -1,7 +1,6 @@
 #include "observe/motion.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,12 +15,11 @@ MeasuredMotion measure(Snapshot const& now) {
   auto const mass = now.agents.column<Mass>();
   auto const velocity_x = now.agents.column<VelocityX>();
   auto const velocity_y = now.agents.column<VelocityY>();
-  std::array<std::uint64_t, 1> fixed{};
-  for (double const m : mass) fixed[0] += std::isinf(m) ? 1U : 0U;
+  std::array<std::uint64_t, 1> fixed{count_of_fixed(mass)};
   now.counts(fixed);
   std::size_t const moving = now.count() - fixed[0];
   auto const twice_energy = [&](std::size_t i) {
-    return std::isinf(mass[i]) ? 0.0 : mass[i] * squared_length({velocity_x[i], velocity_y[i]});
+    return is_fixed(mass[i]) ? 0.0 : mass[i] * squared_length({velocity_x[i], velocity_y[i]});
   };
   if (!now.box.has_images() || fixed[0] > 0) {
     double const energy = 0.5 * now.sum(twice_energy);

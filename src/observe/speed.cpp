@@ -56,7 +56,7 @@ std::vector<CountedMass> masses_of(Snapshot const& now) {
   constexpr std::size_t many = std::size_t{1} << 16U;
   auto const column = now.agents.column<Mass>();
   std::vector<double> masses(column.begin(), column.end());
-  std::erase_if(masses, [](double mass) { return std::isinf(mass); });  // fixed disks
+  std::erase_if(masses, [](double mass) { return is_fixed(mass); });
   std::ranges::sort(masses);
   std::vector<CountedMass> counted;
   for (double const mass : masses) add_counted(counted, {mass, 1});

@@ -12,6 +12,7 @@
 
 #include "gridlock/parallel/detail/collectives.hpp"
 #include "observe/mobile.hpp"
+#include "observe/motion.hpp"
 
 namespace gridlock {
 
@@ -104,11 +105,7 @@ std::optional<double> temperature_along(bool keeps_momentum, MotionOfKind const&
 void TemperatureByKind::begin(Snapshot const& start) {
   std::vector<KindOfDisk> const of_rows = kinds_of_rows(start.agents);
   std::vector<KindOfDisk> const kinds = few_kinds_of(start, of_rows);
-  MobileAgents const mobile(start.agents);
-  std::array<std::uint64_t, 1> fixed{};
-  for (std::size_t i = 0; i < of_rows.size(); ++i) fixed[0] += mobile.has(i) ? 0U : 1U;
-  start.counts(fixed);
-  has_fixed_ = fixed[0] > 0;
+  has_fixed_ = count_of_moving(start) < start.count();
   kinds_ = kinds.size() < 2 || kinds.size() > max_kinds ? 0 : kinds.size();
   reset(temperature_columns(kinds_));
   if (kinds_ == 0) return;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,7 +22,7 @@ constexpr double error_per_flight = 0.4;
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
   if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
   std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
-  std::erase_if(masses, [](double m) { return std::isinf(m); });  // fixed disks
+  std::erase_if(masses, [](double m) { return is_fixed(m); });
   double mass = 0.0;
   for (double const of_disk : masses) mass += of_disk / static_cast<double>(masses.size());
   bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return m != masses[0]; });

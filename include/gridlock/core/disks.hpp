@@ -68,13 +68,13 @@ inline Vector velocity(Disks const& disks, std::size_t i) {
   return {disks.column<VelocityX>()[i], disks.column<VelocityY>()[i]};
 }
 
-/// Returns whether a disk never moves: its mass is infinite, and its velocity 0.
-inline bool is_fixed(Disks const& disks, std::size_t i) {
-  return disks.column<Mass>()[i] == std::numeric_limits<double>::infinity();
-}
+/// Returns whether a disk of this mass never moves: the mass is infinite, and the velocity 0.
+inline bool is_fixed(double mass) { return mass == std::numeric_limits<double>::infinity(); }
+inline bool is_fixed(Disks const& disks, std::size_t i) { return is_fixed(disks.column<Mass>()[i]); }
 
-/// Returns the number of disks that are fixed.
+/// Return the number of disks that are fixed.
 std::size_t count_of_fixed(Disks const& disks);
+std::size_t count_of_fixed(std::span<double const> masses);
 
 /// The smallest and the largest radius; 0 for no disks.
 struct RadiusRange {

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/exact/moving_rows.hpp"
 #include "engine/exact/saved_disks.hpp"
 #include "engine/exact/strips.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
@@ -63,10 +64,9 @@ Dynamics::~Dynamics() = default;
 
 void Dynamics::read_disks(State const& state) {
   Disks const& disks = state.agents;
-  std::vector<std::uint32_t> rows = rows_in_order(disks.ids());
+  std::vector<std::uint32_t> rows = moving_rows(disks);
   auto const radius = disks.column<Radius>();
   auto const mass = disks.column<Mass>();
-  std::erase_if(rows, [&](std::uint32_t row) { return is_fixed(disks, row); });
   size_ = rows.size();
   disks_in_box_ = size_;
   if (size_ > 0) {
@@ -171,11 +171,10 @@ struct Observer {
     ++counters.wall_hits[wall];
     counters.wall_impulse[wall] += impulse;
   }
-  void obstacle_hit(Index /*i*/, Obstacle const& obstacle, ImpactOnObstacle const& impact) {
-    std::uint64_t& number = obstacle.is_disk() ? counters.pair_collisions : counters.inner_wall_hits;
-    double& amount = obstacle.is_disk() ? counters.pair_virial : counters.inner_wall_impulse;
-    ++number;
-    amount += impact.amount_for(obstacle);
+  void fixed_disk_hit(Index i, double virial) { pair_collided(i, i, virial); }
+  void inner_wall_hit(Index /*i*/, double impulse) {
+    ++counters.inner_wall_hits;
+    counters.inner_wall_impulse += impulse;
   }
   void border_reached(Index /*i*/) {}
 };
@@ -316,7 +315,6 @@ void Dynamics::let_fall(double time) {
 
 void Dynamics::write_at(double t, double scale, State& state) const {
   Disks& disks = state.agents;
-  Vector const fallen = fall(gravity_, t);
   auto const radius = disks.column<Radius>();
   for (std::size_t i = 0; i < size_; ++i) {
     MovingDisk const& disk = disks_[i];
@@ -324,15 +322,15 @@ void Dynamics::write_at(double t, double scale, State& state) const {
     if (is_growing()) radius[row] = radius_[i] * scale;
     int crossed_x = 0;
     int crossed_y = 0;
-    Vector p =
-        box_.wrap(Vector{disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t} + fallen, crossed_x, crossed_y);
+    Vector p = box_.wrap(centre_at(disk, gravity_, t), crossed_x, crossed_y);
+    Vector const v = velocity_at(disk, gravity_, t);
     // A disk at a wall may be outside the box by a rounding error.
     if (!box_.is_periodic_x()) p.x = std::clamp(p.x, radius[row], box_.width() - radius[row]);
     if (!box_.is_periodic_y()) p.y = std::clamp(p.y, radius[row], box_.height() - radius[row]);
     disks.column<X>()[row] = p.x;
     disks.column<Y>()[row] = p.y;
-    disks.column<VelocityX>()[row] = disk.velocity_x + gravity_.x * t;
-    disks.column<VelocityY>()[row] = disk.velocity_y + gravity_.y * t;
+    disks.column<VelocityX>()[row] = v.x;
+    disks.column<VelocityY>()[row] = v.y;
     disks.column<ImageX>()[row] = image_[i].x + crossed_x;
     disks.column<ImageY>()[row] = image_[i].y + crossed_y;
   }

@@ -41,17 +41,6 @@ struct SizeClass {
   SlotGrid grid;
 };
 
-/// The momentum that a disk gives to an obstacle.
-struct ImpactOnObstacle {
-  double impulse;
-  double distance;  ///< between the centre of the disk and the nearest point of a wall, or the centre of a fixed disk
-
-  /// Returns the virial for a fixed disk, the impulse for a wall.
-  [[nodiscard]] double amount_for(Obstacle const& obstacle) const {
-    return obstacle.is_disk() ? impulse * distance : impulse;
-  }
-};
-
 /// Signed number of times that a disk has crossed a periodic box in x and y.
 struct Image {
   std::int32_t x;
@@ -105,7 +94,8 @@ class Flight {
   }
   /// Handles the event of disk i, which is due now. The observer is told of it by one of
   ///     pair_collided(i, j, virial)         wall_hit(i, side, impulse)
-  ///     obstacle_hit(i, obstacle, impact)   border_reached(i)
+  ///     fixed_disk_hit(i, virial)           inner_wall_hit(i, impulse)
+  ///     border_reached(i)
   template <bool grows, class Observer>
   void handle(Index i, Observer& observer);
   /// Stores the next event of disk i, which was predicted at the time of the last event.
@@ -116,13 +106,7 @@ class Flight {
   [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
   [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
 
-  [[nodiscard]] Vector position_at(Index i, double time) const {
-    MovingDisk const& disk = disks_[i];
-    return Vector{disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time} + fall(gravity_, time);
-  }
-  [[nodiscard]] Vector velocity_at(Index i, double time) const {
-    return Vector{disks_[i].velocity_x, disks_[i].velocity_y} + time * gravity_;
-  }
+  [[nodiscard]] Vector position_at(Index i, double time) const { return centre_at(disks_[i], gravity_, time); }
   [[nodiscard]] bool falls() const { return gravity_ != Vector{}; }
   /// Returns whether collisions or gravity change the kinetic energy.
   [[nodiscard]] bool changes_energy() const { return losses_.exist || falls(); }
@@ -133,8 +117,8 @@ class Flight {
   // Functions in impacts.cpp:
   /// Returns the first event of disk i: the one predicted at this time without obstacles, or a hit of an obstacle.
   [[nodiscard]] Prediction first_of_obstacles(Index i, Prediction const& next, double time) const;
-  /// Reflects disk i from the obstacle that it touches.
-  ImpactOnObstacle reflect_from(Obstacle const& obstacle, Index i);
+  /// Reflects disk i from the obstacle that it touches. Returns the virial for a fixed disk, the impulse for a wall.
+  double reflect_from(Obstacle const& obstacle, Index i);
   /// Returns 1 + e of a collision now of disk i and of disk j, or of a wall or obstacle where j is i.
   double bounce_of(Index i, Index j, double restitution);
   [[nodiscard]] std::size_t kind_of(Index i) const { return kind_.empty() ? 0 : kind_[i]; }
@@ -255,7 +239,8 @@ void Flight::handle(Index i, Observer& observer) {
     if (disk.partner < vertical_border) {
       Obstacle const& obstacle = (*obstacles_)[disk.partner - first_obstacle];
       observer.border_reached(i);
-      observer.obstacle_hit(i, obstacle, reflect_from(obstacle, i));
+      double const amount = reflect_from(obstacle, i);
+      obstacle.is_disk() ? observer.fixed_disk_hit(i, amount) : observer.inner_wall_hit(i, amount);
     } else {
       reach_border(
           i,
@@ -342,7 +327,8 @@ void Flight::hit_wall(Index i, Side side, Observer& observer) {
   bool const is_vertical = side == Side::left || side == Side::right;
   double const inwards = side == Side::left || side == Side::bottom ? 1.0 : -1.0;
   double const radius = radius_of(i);
-  double const velocity = is_vertical ? disk.velocity_x + gravity_.x * now_ : disk.velocity_y + gravity_.y * now_;
+  Vector const v = velocity_at(disk, gravity_, now_);
+  double const velocity = is_vertical ? v.x : v.y;
   double const change =
       bounce_of(i, i, losses_.of_walls[kind_of(i)]) * (inwards * radius * growth_.scale.rate - velocity);
   change_velocity(disk, is_vertical ? change : 0.0, is_vertical ? 0.0 : change, now_);

@@ -52,22 +52,17 @@ Prediction predict_border_falling(PredictionInput const& s, Index i, double now)
   MovingDisk const& disk = s.disks[i];
   Bounds const bounds = bounds_of(s, i);
   double const begin = disk.last_hit;
-  Vector const fallen = fall(s.gravity, begin);
-  double const x_time =
-      time_at_border(disk.x + disk.velocity_x * begin + fallen.x, disk.velocity_x + s.gravity.x * begin, s.gravity.x,
-                     begin, now, bounds.left, bounds.right);
-  double const y_time =
-      time_at_border(disk.y + disk.velocity_y * begin + fallen.y, disk.velocity_y + s.gravity.y * begin, s.gravity.y,
-                     begin, now, bounds.bottom, bounds.top);
+  Vector const p = centre_at(disk, s.gravity, begin);
+  Vector const v = velocity_at(disk, s.gravity, begin);
+  double const x_time = time_at_border(p.x, v.x, s.gravity.x, begin, now, bounds.left, bounds.right);
+  double const y_time = time_at_border(p.y, v.y, s.gravity.y, begin, now, bounds.bottom, bounds.top);
   return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
 }
 
 bool is_at_upper_border(PredictionInput const& s, Index i, bool is_vertical, double now) {
-  MovingDisk const& disk = s.disks[i];
   Bounds const bounds = bounds_of(s, i);
-  Vector const fallen = fall(s.gravity, now);
-  double const place =
-      is_vertical ? disk.x + disk.velocity_x * now + fallen.x : disk.y + disk.velocity_y * now + fallen.y;
+  Vector const p = centre_at(s.disks[i], s.gravity, now);
+  double const place = is_vertical ? p.x : p.y;
   double const lower = is_vertical ? bounds.left : bounds.bottom;
   double const upper = is_vertical ? bounds.right : bounds.top;
   return upper - place < place - lower;
@@ -77,7 +72,7 @@ bool is_at_upper_border(PredictionInput const& s, Index i, bool is_vertical, dou
 Prediction Flight::first_of_obstacles(Index i, Prediction const& next, double time) const {
   MovingDisk const& disk = disks_[i];
   double const begin = disk.last_hit;
-  Vector const v = velocity_at(i, begin);
+  Vector const v = velocity_at(disk, gravity_, begin);
   if (v == Vector{} && !falls()) return next;
   Path const path{position_at(i, begin), v, gravity_};
   Span const x = span_of(disk.x, disk.velocity_x, gravity_.x, time, next.time);
@@ -92,17 +87,18 @@ Prediction Flight::first_of_obstacles(Index i, Prediction const& next, double ti
   return first;
 }
 
-ImpactOnObstacle Flight::reflect_from(Obstacle const& obstacle, Index i) {
+double Flight::reflect_from(Obstacle const& obstacle, Index i) {
   Vector const p = position_at(i, now_);
   Vector const d = p - obstacle.nearest_to(p);
-  double const approach = dot(velocity_at(i, now_), d);
+  double const approach = dot(velocity_at(disks_[i], gravity_, now_), d);
   double const bounce =
       bounce_of(i, i, obstacle.is_disk() ? restitution_of(kind_of(i), obstacle.kind) : losses_.of_walls[kind_of(i)]);
   double const along = -bounce * std::min(approach, 0.0) / squared_length(d);
   change_velocity(disks_[i], along * d.x, along * d.y, now_);
   ++hits_;
   double const distance = std::sqrt(squared_length(d));
-  return {mass_of(i) * along * distance, distance};
+  double const impulse = mass_of(i) * along * distance;
+  return obstacle.is_disk() ? impulse * distance : impulse;
 }
 
 double Flight::bounce_of(Index i, Index j, double restitution) {

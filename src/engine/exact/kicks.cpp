@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/unwrapped.hpp"
 #include "engine/exact/dynamics.hpp"
 #include "engine/exact/strips.hpp"
 
@@ -58,15 +59,14 @@ void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_
 
 void Dynamics::visit_disks(double elapsed, std::function<void(Id, std::uint32_t, Vector)> const& visit) const {
   double const time = std::max(elapsed - epoch_start_, now_);
-  Vector const fallen = fall(gravity_, time);
   for (std::size_t i = 0; i < size_; ++i) {
     // As in write_at(), so that the bits are those of any number of threads.
     MovingDisk const& disk = disks_[i];
     int x = image_[i].x;
     int y = image_[i].y;
-    Vector const p = box_.wrap(Vector{disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time} + fallen, x, y);
-    visit(id_of(static_cast<Index>(i)), disk.id_index,
-          {p.x + static_cast<double>(x) * box_.width(), p.y + static_cast<double>(y) * box_.height()});
+    Vector const p = box_.wrap(centre_at(disk, gravity_, time), x, y);
+    Vector const crossed{static_cast<double>(x), static_cast<double>(y)};
+    visit(id_of(static_cast<Index>(i)), disk.id_index, unwrapped_displacement(box_, {}, p, crossed));
   }
 }
 

@@ -60,6 +60,15 @@ inline Vector fall(Vector gravity, double time) {
   return {0.5 * gravity.x * time * time, 0.5 * gravity.y * time * time};
 }
 
+/// Returns the centre of a disk at this time of the epoch.
+inline Vector centre_at(MovingDisk const& disk, Vector gravity, double time) {
+  return Vector{disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time} + fall(gravity, time);
+}
+/// Returns the velocity of a disk at this time of the epoch.
+inline Vector velocity_at(MovingDisk const& disk, Vector gravity, double time) {
+  return {disk.velocity_x + gravity.x * time, disk.velocity_y + gravity.y * time};
+}
+
 /// Changes a disk's velocity at time `now`, and its centre at the start of the epoch so that the path does not jump.
 inline void change_velocity(MovingDisk& disk, double change_x, double change_y, double now) {
   disk.velocity_x += change_x;

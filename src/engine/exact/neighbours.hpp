@@ -47,8 +47,8 @@ struct Place {
 };
 
 inline Place place_of(MovingDisk const& disk, Vector gravity, double time) {
-  Vector const fallen = fall(gravity, time);
-  return {disk.x + disk.velocity_x * time + fallen.x, disk.y + disk.velocity_y * time + fallen.y};
+  auto const [x, y] = centre_at(disk, gravity, time);
+  return {x, y};
 }
 
 }  // namespace gridlock::exact

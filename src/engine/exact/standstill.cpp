@@ -21,8 +21,7 @@ constexpr double digits_per_flight = 1.0;
 
 constexpr char const* wedge =
     "it is in contact on all sides and cannot move\n  hint: give the disks more space, by a lower packing fraction or "
-    "a "
-    "larger box";
+    "a larger box";
 constexpr char const* collapse =
     "collisions that lose energy come without end, the inelastic collapse\n  hint: set collisions.contact_time, far "
     "shorter than the time between collisions, or a collisions.restitution nearer to 1";

@@ -193,6 +193,11 @@ struct Strip::Observer {
   Strip& strip;
 
   [[nodiscard]] bool is_own(Index i) const { return i < strip.own_; }
+  void count_hit(Index i, std::size_t kind, double amount) {
+    if (!is_own(i)) return;
+    ++strip.own_hits_;
+    strip.counted_[kind].push_back({strip.now_, amount});
+  }
 
   void pair_collided(Index i, Index j, double virial) {
     bool const is_i_own = is_own(i);
@@ -213,17 +218,9 @@ struct Strip::Observer {
     // Two strips see this collision; the one that owns the lower Id counts it.
     if (strip.disks_[own].id_index < strip.disks_[copy].id_index) strip.counted_[0].push_back({strip.now_, virial});
   }
-  void wall_hit(Index i, Side wall, double impulse) {
-    if (!is_own(i)) return;
-    ++strip.own_hits_;
-    strip.counted_[1 + static_cast<std::size_t>(wall)].push_back({strip.now_, impulse});
-  }
-  void obstacle_hit(Index i, Obstacle const& obstacle, ImpactOnObstacle const& impact) {
-    if (!is_own(i)) return;
-    ++strip.own_hits_;
-    std::size_t const kind = obstacle.is_disk() ? 0 : kinds_of_counts - 1;
-    strip.counted_[kind].push_back({strip.now_, impact.amount_for(obstacle)});
-  }
+  void wall_hit(Index i, Side wall, double impulse) { count_hit(i, 1 + static_cast<std::size_t>(wall), impulse); }
+  void fixed_disk_hit(Index i, double virial) { count_hit(i, 0, virial); }
+  void inner_wall_hit(Index i, double impulse) { count_hit(i, kinds_of_counts - 1, impulse); }
   void border_reached(Index i) {
     if (is_own(i)) strip.note(i, strip.height_of(i, strip.now_));
   }

@@ -63,8 +63,8 @@ class alignas(128) Strip final : public Flight {  // aligned, so that no two str
     double time;
     double amount;
   };
-  static constexpr std::size_t kinds_of_counts =
-      6;  ///< pair collisions, hits of each of the four walls, and of walls inside the box
+  /// Pair collisions, hits of each of the four walls, and hits of walls inside the box.
+  static constexpr std::size_t kinds_of_counts = 6;
   /// Returns the events of one kind from `start` on and before `end`, in the order of time.
   [[nodiscard]] std::span<Counted const> counted(std::size_t kind, double start, double end) const;
   [[nodiscard]] bool has_none(std::size_t kind) const { return counted_[kind].empty(); }

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/unwrapped.hpp"
 #include "engine/exact/dynamics.hpp"
+#include "engine/exact/moving_rows.hpp"
 #include "engine/headings.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
-#include "gridlock/core/detail/rows_in_order.hpp"
 
 namespace gridlock::exact {
 
@@ -25,27 +26,20 @@ Vector Thermostat::velocity(RandomStream& random, double mass) const {
 Vector Thermostat::velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const {
   RandomStream random = draws(kick, id);
   Vector const thermal = velocity(random, mass);
-  bool const swims = !headings_.empty() && std::isfinite(mass);  // a fixed disk does not
-  return !swims ? thermal : thermal + propulsion_.speed * headings_[id_index];
-}
-
-void Thermostat::count_swimmers(Disks const& disks) {
-  swimmers_ = 0.0;
-  for (double const mass : disks.column<Mass>()) swimmers_ += std::isfinite(mass) ? 1.0 : 0.0;
+  return headings_.empty() ? thermal : thermal + propulsion_.speed * headings_[id_index];
 }
 
 /// Takes headings from the velocities.
-void Thermostat::begin_swimming(State const& state) {
+void Thermostat::begin_swimming(State const& state, std::span<std::uint32_t const> rows) {
   Disks const& disks = state.agents;
-  count_swimmers(disks);
   headings_.clear();
   places_.clear();
   if (!propulsion_.is_on()) return;
-  for (std::uint32_t const row : rows_in_order(disks.ids())) {
+  for (std::uint32_t const row : rows) {
     headings_.push_back(first_heading(state.seed, disks.ids()[row], gridlock::velocity(disks, row)));
-    Vector const p = position(disks, row);
-    places_.push_back({p.x + static_cast<double>(disks.column<ImageX>()[row]) * state.box.width(),
-                       p.y + static_cast<double>(disks.column<ImageY>()[row]) * state.box.height()});
+    Vector const crossed{static_cast<double>(disks.column<ImageX>()[row]),
+                         static_cast<double>(disks.column<ImageY>()[row])};
+    places_.push_back(unwrapped_displacement(state.box, {}, position(disks, row), crossed));
   }
 }
 
@@ -63,20 +57,20 @@ void Thermostat::turn_headings(Dynamics const& dynamics, std::uint64_t kick, dou
   });
   if (is_flight_whole_) {
     counters.swum += way.value() / (propulsion_.speed * *settings_.interval);
-    counters.swum_if_free += swimmers_;
+    counters.swum_if_free += static_cast<double>(headings_.size());
   }
   is_flight_whole_ = true;
 }
 
 void Thermostat::start_from(State& state) {
   Disks& disks = state.agents;
+  std::vector<std::uint32_t> const rows = moving_rows(disks);
   if (is_brownian()) {
     next_kick_ = static_cast<std::uint64_t>(std::max(0.0, std::ceil(state.clock.time / *settings_.interval)));
     while (time_of(next_kick_) < state.clock.time) ++next_kick_;
-    begin_swimming(state);
+    begin_swimming(state, rows);
     is_flight_whole_ = time_of(next_kick_) == state.clock.time;
     if (!is_flight_whole_) return;
-    std::vector<std::uint32_t> const rows = rows_in_order(disks.ids());
     for (std::uint32_t id_index = 0; id_index < rows.size(); ++id_index) {
       std::uint32_t const row = rows[id_index];
       Vector const v = velocity_of(next_kick_, disks.ids()[row], id_index, disks.column<Mass>()[row]);
@@ -88,8 +82,7 @@ void Thermostat::start_from(State& state) {
   }
   kicks_.clear();
   // Draws of a run that goes on with other disks are not those from its start.
-  kick_counts_.assign(disks.size(), state.clock.step << 32U);
-  std::vector<std::uint32_t> const rows = rows_in_order(disks.ids());
+  kick_counts_.assign(rows.size(), state.clock.step << 32U);
   for (std::uint32_t id_index = 0; id_index < rows.size(); ++id_index) {
     plan_kick(id_index, disks.ids()[rows[id_index]], state.clock.time);
   }
@@ -129,14 +122,12 @@ void Thermostat::kick(Dynamics& dynamics, double start_time, Counters& counters)
 void Thermostat::serialize(Archive& archive, State const& state) {
   std::vector<double> times(kick_counts_.size());
   for (KickOfDisk const& kick : kicks_) times[kick.id_index] = kick.time;
-  std::size_t const disks = is_brownian() ? 0 : state.agents.size();
+  std::size_t const moving = state.agents.size() - count_of_fixed(state.agents);
+  std::size_t const disks = is_brownian() ? 0 : moving;
   archive.visit("next_kick", next_kick_);
   archive.visit("kick_times", times);
   archive.visit("kick_counts", kick_counts_);
-  if (propulsion_.is_on()) {
-    count_swimmers(state.agents);
-    serialize_swimming(archive, state.agents.size());
-  }
+  if (propulsion_.is_on()) serialize_swimming(archive, moving);
   if (!archive.is_restoring()) return;
   archive.require(times.size() == disks && kick_counts_.size() == disks,
                   "the thermostat has other disks than the state");

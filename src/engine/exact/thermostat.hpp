@@ -17,7 +17,8 @@ namespace gridlock::exact {
 
 class Dynamics;
 
-/// The kicks of a thermostat: when the next one is due, and what velocities it gives.
+/// The kicks of a thermostat: when the next one is due, and what velocities it gives. Fixed disks get none, and have no
+/// id index.
 ///
 /// Times are those of the clock. A kick is due at its time, however the run is cut into calls.
 class Thermostat {
@@ -59,8 +60,7 @@ class Thermostat {
   [[nodiscard]] RandomStream draws(std::uint64_t kick, Id id) const { return {seed_, kick, id, Purpose::thermostat}; }
   [[nodiscard]] Vector velocity(RandomStream& random, double mass) const;
   [[nodiscard]] Vector velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const;
-  void count_swimmers(Disks const& disks);
-  void begin_swimming(State const& state);
+  void begin_swimming(State const& state, std::span<std::uint32_t const> rows);
   void turn_headings(Dynamics const& dynamics, std::uint64_t kick, double elapsed, Counters& counters);
   void serialize_swimming(Archive& archive, std::size_t disks);
   void plan_kick(std::uint32_t id_index, Id id, double time);
@@ -73,7 +73,6 @@ class Thermostat {
   std::vector<std::uint64_t> kick_counts_;  ///< of andersen, by id index: the number of the draw of the next kick
   std::vector<Vector> headings_;            ///< of self-propelled disks, by id index
   std::vector<Vector> places_;              ///< where they were at the last kick, by id index
-  double swimmers_ = 0.0;                   ///< number of self-propelled disks that are not fixed
   bool is_flight_whole_ = false;            ///< whether a kick began their present flight
 };
 

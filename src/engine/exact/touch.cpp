@@ -58,10 +58,11 @@ double zero_between(Polynomial const& f, double positive, double negative) {
   return positive;
 }
 
-/// Returns a point from `from` on, in steps that double, at which f is at least 0. Contract: f grows without limit.
-double rise_from(Polynomial const& f, double from, double step) {
+/// Returns a point from `from` on, in steps that double, at which f is no longer negative, or with a step to the left no
+/// longer positive. Contract: f grows without limit to the right, and falls without limit to the left.
+double point_beyond(Polynomial const& f, double from, double step) {
   double point = from + step;
-  while (f.at(point) < 0.0) {
+  while (step > 0.0 ? f.at(point) < 0.0 : f.at(point) > 0.0) {
     step *= 2.0;
     point = from + step;
   }
@@ -81,13 +82,8 @@ Turns turns_of(Polynomial const& f, double scale) {
   // The slope itself turns where 2 c₂ + 6 c₃ τ + 12 c₄ τ² = 0.
   double const half_b = 3.0 * f.of[3];
   double const discriminant = half_b * half_b - 24.0 * f.of[2] * f.of[4];
-  Polynomial const mirrored{{slope.of[0], -slope.of[1], slope.of[2], -slope.of[3], 0.0}};
-  auto const lowest_zero = [&](double from) {  // the slope is positive at `from` and rises from below before
-    Polynomial const down{{-mirrored.of[0], -mirrored.of[1], -mirrored.of[2], -mirrored.of[3], 0.0}};
-    double const negative = rise_from(down, -from, scale);
-    return -zero_between(mirrored, -from, negative);
-  };
-  auto const highest_zero = [&](double from) { return zero_between(slope, rise_from(slope, from, scale), from); };
+  auto const lowest_zero = [&](double from) { return zero_between(slope, from, point_beyond(slope, from, -scale)); };
+  auto const highest_zero = [&](double from) { return zero_between(slope, point_beyond(slope, from, scale), from); };
   if (!(discriminant > 0.0)) {
     double const middle = -half_b / (12.0 * f.of[4]);
     double const zero = slope.at(middle) > 0.0 ? lowest_zero(middle) : highest_zero(middle);
