@@ -16,10 +16,14 @@
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "observe/pressure.hpp"
+#include "reference/mean_and_error.hpp"
 #include "unit/observe/hand_built.hpp"
 
 namespace gridlock {
 namespace {
+
+using reference::Estimate;
+using reference::mean_of;
 
 constexpr double width_of_motion = 0.5;  // h
 
@@ -73,19 +77,6 @@ TEST(TransferMatrix, HasTheNumbersOfAnIndependentQuadrature) {
   TransferMatrix const found = transfer_matrix(5.0);
   EXPECT_NEAR(1.0 / 5.0 + found.mean_separation, 1.1735442348, 1e-7);
   EXPECT_NEAR(found.square_at_wall, 2.54617162, 1e-5);
-}
-
-struct Estimated {
-  double mean;
-  double error;
-};
-Estimated estimated(std::vector<double> const& values) {
-  auto const count = static_cast<double>(values.size());
-  double sum = 0.0;
-  double squares = 0.0;
-  for (double const value : values) sum += value;
-  for (double const value : values) squares += (value - sum / count) * (value - sum / count);
-  return {sum / count, std::sqrt(squares / (count * (count - 1.0)))};
 }
 
 class SingleFile : public testing::TestWithParam<bool> {};
@@ -144,15 +135,15 @@ TEST_P(SingleFile, PressesOnItsEndsAndWallsAsTheTransferMatrixHasIt) {
   EXPECT_NO_THROW(validate(state));
   double const expected_force = 5.0 * (1.0 - 1.0 / count);
   double const expected_wall = 2.543;  // of this ring by an independent program; 2.5462 in the limit of many disks
-  Estimated const found = estimated(force);
-  EXPECT_NEAR(found.mean, expected_force, 0.02) << "± " << found.error;
+  Estimate const found = mean_of(force);
+  EXPECT_NEAR(found.value, expected_force, 0.02) << "± " << found.error;
   EXPECT_LT(found.error, 0.01) << "a bound of 0.02 must tell something";
-  Estimated const walls = estimated(wall_force);
-  EXPECT_NEAR(walls.mean, expected_wall, 4.0 * walls.error);
+  Estimate const walls = mean_of(wall_force);
+  EXPECT_NEAR(walls.value, expected_wall, 4.0 * walls.error);
   EXPECT_LT(walls.error, 0.003);
-  Estimated const observed = estimated(pressure_by_observable);
+  Estimate const observed = mean_of(pressure_by_observable);
   double const area = length * (1.0 + width_of_motion);
-  EXPECT_NEAR(observed.mean, (expected_force * length + width_of_motion * expected_wall * count) / (2.0 * area), 0.02);
+  EXPECT_NEAR(observed.value, (expected_force * length + width_of_motion * expected_wall * count) / (2.0 * area), 0.02);
 }
 
 }  // namespace

@@ -8,28 +8,19 @@
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "reference/mean_and_error.hpp"
 #include "reference/random_scene.hpp"
+#include "reference/unwrapped.hpp"
 
 namespace gridlock {
 namespace {
 
+using reference::Estimate;
+using reference::mean_of;
+using reference::mean_squared_displacement;
+using reference::unwrapped;
+
 constexpr double pi = std::numbers::pi;
-
-/// Mean and standard error of the mean of independent blocks.
-struct Estimate {
-  double mean = 0.0;
-  double error = 0.0;
-};
-
-Estimate estimate(std::vector<double> const& blocks) {
-  auto const n = static_cast<double>(blocks.size());
-  Estimate e;
-  for (double const b : blocks) e.mean += b / n;
-  double squares = 0.0;
-  for (double const b : blocks) squares += (b - e.mean) * (b - e.mean);
-  e.error = std::sqrt(squares / (n * (n - 1.0)));
-  return e;
-}
 
 /// Equal disks of diameter 1 on a stretched triangular lattice of rows × columns sites in a periodic square, with
 /// Maxwell velocities of zero sum.
@@ -93,7 +84,7 @@ Pressures measure(State& state, double equilibration, double block, int blocks) 
     // Of velocities with fixed energy and momentum the mean relative speed is that of Maxwell's to order 1/N².
     rates.push_back(1.0 + 0.25 * std::sqrt(pi / kt) * rate);
   }
-  return {estimate(impulses), estimate(rates)};
+  return {mean_of(impulses), mean_of(rates)};
 }
 
 struct FluidCase {
@@ -116,8 +107,8 @@ TEST_P(Fluid, HasThePublishedPressureFromImpulsesAndFromTheCollisionRate) {
   // A box of 2024 disks is not infinite: what is left is of the order Z/N, far below the error wanted here.
   double const finite_size = 2.0 * expected / 2024.0;
   EXPECT_LT(z.from_impulses.error, 2e-3 * expected);
-  EXPECT_NEAR(z.from_impulses.mean, expected, 3.5 * z.from_impulses.error + finite_size);
-  EXPECT_NEAR(z.from_rate.mean, expected, 3.5 * z.from_rate.error + finite_size);
+  EXPECT_NEAR(z.from_impulses.value, expected, 3.5 * z.from_impulses.error + finite_size);
+  EXPECT_NEAR(z.from_rate.value, expected, 3.5 * z.from_rate.error + finite_size);
 }
 
 // N = 72, periodic square box, Li et al. 2022: P* = βPσ² = Z · 4η/π. A longer run of the same is in the validation.
@@ -131,7 +122,7 @@ TEST(ExactPhysics, SeventyTwoDisksHaveThePublishedPressure) {
     Pressures const z = measure(state, 200.0, 150.0, 40);
     double const to_pressure = 4.0 * packing_fraction / pi;
     EXPECT_LT(z.from_impulses.error * to_pressure, 3e-3 * pressure);
-    EXPECT_NEAR(z.from_impulses.mean * to_pressure, pressure, 3.0 * z.from_impulses.error * to_pressure);
+    EXPECT_NEAR(z.from_impulses.value * to_pressure, pressure, 3.0 * z.from_impulses.error * to_pressure);
   }
 }
 
@@ -159,9 +150,9 @@ TEST(ExactPhysics, TwoDisksInAHardSquareBoxPressOnItsWallsAsTheirFreeAreaSays) {
       for (std::size_t wall = 0; wall < 4; ++wall) impulse += counters.wall_impulse[wall] - before.wall_impulse[wall];
       pressures.push_back(impulse / (4.0 * block));  // kT = K/N = 1
     }
-    Estimate const pressure = estimate(pressures);
+    Estimate const pressure = mean_of(pressures);
     EXPECT_LT(pressure.error, 0.003 * expected);
-    EXPECT_NEAR(pressure.mean, expected, 3.5 * pressure.error) << "R = " << r;
+    EXPECT_NEAR(pressure.value, expected, 3.5 * pressure.error) << "R = " << r;
     if (r == 0.15) {
       double const time = 100 * block;
       EXPECT_NEAR(static_cast<double>(counters.all_wall_hits()) / time, 6.0154, 0.03);
@@ -227,11 +218,11 @@ TEST(ExactPhysics, TheStartOfThePaperRelaxesToMaxwellsMoments) {
     speeds.push_back(speed);
     fourths.push_back(fourth / (mean_square * mean_square));
   }
-  Estimate const speed = estimate(speeds);
-  Estimate const fourth = estimate(fourths);
-  EXPECT_NEAR(speed.mean, std::sqrt(pi / 4.0 * mean_square), 3.5 * speed.error);
+  Estimate const speed = mean_of(speeds);
+  Estimate const fourth = mean_of(fourths);
+  EXPECT_NEAR(speed.value, std::sqrt(pi / 4.0 * mean_square), 3.5 * speed.error);
   // At a fixed sum of squares the ratio is 2 N/(N + 1).
-  EXPECT_NEAR(fourth.mean, 2.0 * n / (n + 1.0), 3.5 * fourth.error);
+  EXPECT_NEAR(fourth.value, 2.0 * n / (n + 1.0), 3.5 * fourth.error);
   EXPECT_LT(fourth.error, 0.01);
 }
 
@@ -284,12 +275,12 @@ TEST(ExactPhysics, WallsArePressedByTheBulkAndByWhatTheyKeepOut) {
       for (std::size_t wall = 0; wall < 4; ++wall) impulse += counters.wall_impulse[wall] - before.wall_impulse[wall];
       if (b > 0) pressures.push_back(impulse / (4.0 * side * block * kt));
     }
-    Estimate const pressure = estimate(pressures);
+    Estimate const pressure = mean_of(pressures);
     double const density = static_cast<double>(count) / (side * side);
     double const kept_out = (1.0 + packing_fraction) / ((1.0 - packing_fraction) * (1.0 - packing_fraction)) / side;
     double const next_order = kept_out * kept_out;
     EXPECT_LT(pressure.error, 0.2 * density * kept_out) << "cannot tell the wall from the bulk";
-    EXPECT_NEAR(pressure.mean, density * (compressibility + kept_out), 3.5 * pressure.error + density * next_order)
+    EXPECT_NEAR(pressure.value, density * (compressibility + kept_out), 3.5 * pressure.error + density * next_order)
         << "η = " << packing_fraction;
   }
 }
@@ -332,9 +323,9 @@ TEST_P(Channel, OfDisksInASingleFilePressesOnItsEndsAsTheTransferOperatorSays) {
                            before.wall_impulse[Counters::left] - before.wall_impulse[Counters::right];
     if (b > 0) forces.push_back(impulse / (2.0 * block * kt));
   }
-  Estimate const measured = estimate(forces);
+  Estimate const measured = mean_of(forces);
   EXPECT_LT(measured.error, 0.015 * force);
-  EXPECT_NEAR(measured.mean, force, 3.5 * measured.error + force / static_cast<double>(count));
+  EXPECT_NEAR(measured.value, force, 3.5 * measured.error + force / static_cast<double>(count));
 }
 
 // Dilute disks: D = 1.0274(8) kT/(m Γ) with Γ the collisions per disk and time. From the mean-squared displacement
@@ -346,35 +337,21 @@ TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {
   double const free_time = 1.0 / (2.0 * 4.0 * 0.005 / pi * std::sqrt(pi) * 1.0079);  // 1/Γ, g(σ) to first order in η
   engine->advance(state, counters, {.time = 20.0 * free_time});
   auto const n = static_cast<double>(state.agents.size());
-  auto const unwrapped = [&] {
-    std::vector<Vector> places;
-    for (std::size_t i = 0; i < state.agents.size(); ++i) {
-      places.push_back(position(state.agents, i) + Vector{state.agents.column<ImageX>()[i] * state.box.width(),
-                                                          state.agents.column<ImageY>()[i] * state.box.height()});
-    }
-    return places;
-  };
-  auto const mean_square = [&](std::vector<Vector> const& from) {
-    std::vector<Vector> const to = unwrapped();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < to.size(); ++i) sum += squared_length(to[i] - from[i]);
-    return sum / n;
-  };
   std::vector<double> constants;
   for (int b = 0; b < 20; ++b) {
     double const begin = state.clock.time;
     std::uint64_t const before = counters.pair_collisions;
-    std::vector<Vector> const origin = unwrapped();
+    std::vector<Vector> const origin = unwrapped(state);
     engine->advance(state, counters, {.time = begin + 10.0 * free_time});
-    double const early = mean_square(origin);
+    double const early = mean_squared_displacement(origin, unwrapped(state));
     engine->advance(state, counters, {.time = begin + 20.0 * free_time});
-    double const diffusion = (mean_square(origin) - early) / (4.0 * 10.0 * free_time);
+    double const diffusion = (mean_squared_displacement(origin, unwrapped(state)) - early) / (4.0 * 10.0 * free_time);
     double const rate = 2.0 * static_cast<double>(counters.pair_collisions - before) / (n * 20.0 * free_time);
     constants.push_back(diffusion * rate / temperature(state));
   }
-  Estimate const constant = estimate(constants);
+  Estimate const constant = mean_of(constants);
   EXPECT_LT(constant.error, 0.02);
-  EXPECT_NEAR(constant.mean, 1.0274, 3.0 * constant.error);
+  EXPECT_NEAR(constant.value, 1.0274, 3.0 * constant.error);
 }
 
 }  // namespace

@@ -16,26 +16,18 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "reference/mean_and_error.hpp"
 #include "reference/random_scene.hpp"
+#include "reference/unwrapped.hpp"
 
 namespace gridlock {
 namespace {
 
+using reference::mean_of;
+using reference::unwrapped;
+
 constexpr double pi = std::numbers::pi;
 constexpr double fixed_mass = std::numeric_limits<double>::infinity();
-
-struct Mean {
-  double value;
-  double error;
-};
-Mean mean_of(std::vector<double> const& values) {
-  auto const count = static_cast<double>(values.size());
-  double sum = 0.0;
-  double squares = 0.0;
-  for (double const value : values) sum += value;
-  for (double const value : values) squares += (value - sum / count) * (value - sum / count);
-  return {sum / count, std::sqrt(squares / (count * (count - 1.0)))};
-}
 
 /// 256 disks at kT = 1 in a periodic square, as after many elastic collisions.
 State equilibrium(double packing_fraction, std::uint64_t seed, std::size_t count = 256) {
@@ -164,19 +156,15 @@ TEST(LorentzGas, CollidesAtTheExactRateAndDiffusesAsComputed) {
       double const angle = 2.0 * pi * random.uniform();
       if (is_free) state.agents.add(p.x, p.y, std::cos(angle), std::sin(angle), r, 1.0, 0, 0);
     }
-    auto const unfolded = [&](std::size_t i) {
-      return Vector{state.agents.column<X>()[i] + state.box.width() * state.agents.column<ImageX>()[i],
-                    state.agents.column<Y>()[i] + state.box.height() * state.agents.column<ImageY>()[i]};
-    };
     std::vector<Vector> begin;
-    for (std::size_t i = fixed; i < state.agents.size(); ++i) begin.push_back(unfolded(i));
+    for (std::size_t i = fixed; i < state.agents.size(); ++i) begin.push_back(unwrapped(state, i));
     Counters counters;
     auto const engine = make_engine({.kind = "exact", .time_step = 1e6, .threads = 1}, state);
     std::array<std::vector<double>, 2> squares;
     for (std::size_t half = 0; half < 2; ++half) {
       engine->advance(state, counters, {.time = half == 0 ? 150.0 : 300.0});
       for (std::size_t i = fixed; i < state.agents.size(); ++i) {
-        squares[half].push_back(squared_length(unfolded(i) - begin[i - fixed]));
+        squares[half].push_back(squared_length(unwrapped(state, i) - begin[i - fixed]));
       }
     }
     std::vector<double> slopes;

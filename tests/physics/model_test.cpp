@@ -10,26 +10,13 @@
 #include "models/catalyst.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
+#include "reference/mean_and_error.hpp"
 
 namespace gridlock {
 namespace {
 
-struct Mean {
-  double value;
-  double error;  ///< standard error
-};
-
-Mean mean_of(std::vector<double> const& values) {
-  double sum = 0.0;
-  double squares = 0.0;
-  for (double const v : values) {
-    sum += v;
-    squares += v * v;
-  }
-  auto const n = static_cast<double>(values.size());
-  double const mean = sum / n;
-  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1.0))};
-}
+using reference::Estimate;
+using reference::mean_of;
 
 template <class Model>
 World<Model> start_of(Model const& model, Box const& box, std::uint64_t seed) {
@@ -70,8 +57,8 @@ TEST(Catalyst, RandomSequentialAdsorptionFollowsTheAvailableSurfaceAndSaturates)
       x.push_back(1.0 / std::sqrt(time));
       y.push_back(Catalyst::coverage(world));
     }
-    Mean const mx = mean_of(x);
-    Mean const my = mean_of(y);
+    Estimate const mx = mean_of(x);
+    Estimate const my = mean_of(y);
     double xy = 0.0;
     double xx = 0.0;
     for (std::size_t k = 0; k < x.size(); ++k) {
@@ -81,10 +68,10 @@ TEST(Catalyst, RandomSequentialAdsorptionFollowsTheAvailableSurfaceAndSaturates)
     saturations.push_back(my.value - xy / xx * mx.value);
   }
   for (std::size_t k = 0; k < table.size(); ++k) {
-    Mean const m = mean_of(coverages[k]);
+    Estimate const m = mean_of(coverages[k]);
     EXPECT_NEAR(m.value, table[k].coverage, 5.0 * m.error + 2e-5) << "at " << table[k].time;
   }
-  Mean const saturation = mean_of(saturations);
+  Estimate const saturation = mean_of(saturations);
   EXPECT_LT(saturation.error, 0.001);
   EXPECT_NEAR(saturation.value, 0.547069, 5.0 * saturation.error);
 }
@@ -117,7 +104,7 @@ TEST(Catalyst, ReversibleAdsorptionFollowsTheIsotherm) {
       }
       coverages.push_back(sum);
     }
-    Mean const m = mean_of(coverages);
+    Estimate const m = mean_of(coverages);
     EXPECT_LT(m.error, 0.003);
     EXPECT_NEAR(m.value, coverage, 5.0 * m.error + 1e-4) << activity;
   }
@@ -144,7 +131,7 @@ TEST(Catalyst, AWithAFollowsTheRateEquationWhereItIsWellMixed) {
     ModelEngine<Catalyst>(model, world.box, {}).advance(world, {.step = 5});
     counts.push_back(static_cast<double>(world.agents.size()));
   }
-  Mean const m = mean_of(counts);
+  Estimate const m = mean_of(counts);
   // A point has at most one other centre within 2R but for a share of about 4θ, here 2 %·¼ of the hops that meet one.
   double const expected = 20'000.0 / (1.0 + k * 20'000.0 * 20.0);
   EXPECT_LT(expected, 6000.0);
@@ -168,7 +155,7 @@ TEST(Catalyst, AWithBFollowsTheRateEquationWhereItIsWellMixed) {
     EXPECT_EQ(std::ranges::count(species, 1U) - a, 4000) << "A and B leave in pairs";
     counts.push_back(static_cast<double>(a));
   }
-  Mean const m = mean_of(counts);
+  Estimate const m = mean_of(counts);
   EXPECT_NEAR(m.value / expected, 1.0, 5.0 * m.error / expected + 0.02);
 }
 
@@ -242,8 +229,8 @@ TEST(Epidemic, ItsCourseIsThatOfTheSirEquations) {
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
     Shares const expected = sir_after(times[k], b, model.recovery_rate, {0.9, 0.1});
-    Mean const s = mean_of(susceptible[k]);
-    Mean const i = mean_of(infected[k]);
+    Estimate const s = mean_of(susceptible[k]);
+    Estimate const i = mean_of(infected[k]);
     EXPECT_NEAR(s.value, expected.susceptible, 5.0 * s.error + 0.005) << "at " << times[k];
     EXPECT_NEAR(i.value, expected.infected, 5.0 * i.error + 0.005) << "at " << times[k];
   }
@@ -272,7 +259,7 @@ TEST(Epidemic, ItsFinalSizeIsThatOfTheSirEquations) {
     shares.push_back(
         static_cast<double>(std::ranges::count(health, static_cast<std::uint32_t>(Epidemic::susceptible))) / 5000.0);
   }
-  Mean const m = mean_of(shares);
+  Estimate const m = mean_of(shares);
   EXPECT_NEAR(m.value, susceptible, 5.0 * m.error + 0.01) << "R₀ = " << reproduction;
 }
 

@@ -13,29 +13,18 @@
 #include <vector>
 
 #include "gridlock/engine/engine.hpp"
+#include "reference/mean_and_error.hpp"
 #include "reference/paper_rule.hpp"
 #include "reference/random_scene.hpp"
 
 namespace gridlock {
 namespace {
 
-struct Measured {
-  double value = 0.0;
-  double error = 0.0;
-};
-
-/// Mean and standard error of independent values, one for each block of a run.
-Measured mean_of(std::vector<double> const& blocks) {
-  auto const count = static_cast<double>(blocks.size());
-  double sum = 0.0;
-  for (double const block : blocks) sum += block;
-  double squares = 0.0;
-  for (double const block : blocks) squares += (block - sum / count) * (block - sum / count);
-  return {sum / count, std::sqrt(squares / (count * (count - 1.0)))};
-}
+using reference::Estimate;
+using reference::mean_of;
 
 /// f(0) from f(h), f(h/2), f(h/4) for f = f(0) + a h + b h² + …
-Measured extrapolated(std::array<Measured, 3> const& f) {
+Estimate extrapolated(std::array<Estimate, 3> const& f) {
   auto const squared = [](double x) { return x * x; };
   return {(f[0].value - 6.0 * f[1].value + 8.0 * f[2].value) / 3.0,
           std::sqrt(squared(f[0].error) + squared(6.0 * f[1].error) + squared(8.0 * f[2].error)) / 3.0};
@@ -48,7 +37,7 @@ struct Blocks {
 };
 
 /// Runs a system and measures each block by the counters of that block alone and the time it took.
-Measured measure(State state, EngineSettings const& settings, Blocks const& blocks,
+Estimate measure(State state, EngineSettings const& settings, Blocks const& blocks,
                  std::function<double(State const&, Counters const&, double)> const& quantity) {
   auto const engine = make_engine(settings, state);
   Counters relaxation;
@@ -105,7 +94,7 @@ TEST_P(SteppedPhysics, TheWallVirialIdentityHoldsAsTheTimeStepVanishes) {
   // P_wall L (L − 2R) = K + ½ Σ σ m |v_n| / t for one trajectory of any number of equal disks in a hard box (physics
   // reference, section 2): the time average of dG/dt = 0, with walls acting at the distance R.
   for (double const packing_fraction : {0.3, 0.6}) {
-    std::array<Measured, 3> deviation;
+    std::array<Estimate, 3> deviation;
     // The identity is that of a square of side 1.
     State const start = reference::random_scene(
         {.width = 1.0, .height = 1.0, .count = 50, .packing_fraction = packing_fraction, .seed = 3});
@@ -119,7 +108,7 @@ TEST_P(SteppedPhysics, TheWallVirialIdentityHoldsAsTheTimeStepVanishes) {
                                return pressure * (1.0 - 2.0 * r) / right - 1.0;
                              });
     }
-    Measured const limit = extrapolated(deviation);
+    Estimate const limit = extrapolated(deviation);
     EXPECT_LT(std::abs(limit.value), 4.0 * limit.error) << "packing fraction " << packing_fraction;
     EXPECT_LT(limit.error, 0.005) << "too noisy to mean anything";
     // The time lost makes the walls see too little, by less and less: at least 35 % less for each halving.
@@ -175,7 +164,7 @@ TEST_P(SteppedPhysics, ARowOfDisksPressesOnTheWallsLikeFreeParticles) {
   double squares = 0.0;
   for (double const v : velocities) squares += v * v;
   double const force = squares / (1.0 - static_cast<double>(velocities.size()) * 2.0 * row_radius);
-  std::array<Measured, 3> measured;
+  std::array<Estimate, 3> measured;
   for (std::size_t n = 0; n < 3; ++n) {
     measured[n] = measure(row_of(velocities), {.time_step = halving_time_steps[n], .contact = GetParam()},
                           {.count = 20, .duration = 100.0}, [](State const&, Counters const& counters, double time) {
@@ -184,7 +173,7 @@ TEST_P(SteppedPhysics, ARowOfDisksPressesOnTheWallsLikeFreeParticles) {
                           });
     EXPECT_LT(measured[n].value, force) << "halted moves lose time";
   }
-  Measured const limit = extrapolated(measured);
+  Estimate const limit = extrapolated(measured);
   EXPECT_NEAR(limit.value, force, 4.0 * limit.error);
   EXPECT_LT(limit.error, 0.005 * force);
 }
@@ -220,22 +209,22 @@ INSTANTIATE_TEST_SUITE_P(Radii, SteppedTwoDisksAt, testing::Values(0.05, 0.15, 0
 
 TEST_P(SteppedTwoDisksAt, PressOnTheWallsAsTheConfigurationIntegralSays) {
   double const radius = GetParam();
-  std::array<Measured, 3> pressure;
+  std::array<Estimate, 3> pressure;
   for (std::size_t n = 0; n < 3; ++n) {
     pressure[n] = measure(
         two_disks(radius), {.time_step = halving_time_steps[n]}, {.count = 25, .duration = 400.0},
         [](State const&, Counters const& counters, double time) { return impulse_on_walls(counters) / (4.0 * time); });
     EXPECT_LT(pressure[n].value, pressure_of_two(radius)) << "halted moves lose time";
   }
-  Measured const limit = extrapolated(pressure);
+  Estimate const limit = extrapolated(pressure);
   EXPECT_NEAR(limit.value, pressure_of_two(radius), 4.0 * limit.error);
   EXPECT_LT(limit.error, 0.01 * pressure_of_two(radius));
 }
 
 TEST(SteppedTwoDisks, HitWallsAndEachOtherAsOftenAsTheyShould) {
   // At R = 0.15: 6.0154 wall hits and 1.9220 pair hits in unit time (physics reference, section 6).
-  std::array<Measured, 3> walls;
-  std::array<Measured, 3> pairs;
+  std::array<Estimate, 3> walls;
+  std::array<Estimate, 3> pairs;
   for (std::size_t n = 0; n < 3; ++n) {
     EngineSettings const settings{.time_step = halving_time_steps[n], .contact = CollisionRule::approaching};
     Blocks const blocks{.count = 25, .duration = 1000.0};

@@ -15,23 +15,16 @@
 
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "reference/mean_and_error.hpp"
+#include "reference/unwrapped.hpp"
 
 namespace gridlock {
 namespace {
 
-/// Mean and standard error of the mean of independent values.
-struct Estimated {
-  double mean;
-  double error;
-};
-Estimated estimate(std::vector<double> const& values) {
-  auto const count = static_cast<double>(values.size());
-  double sum = 0.0;
-  double squares = 0.0;
-  for (double const value : values) sum += value;
-  for (double const value : values) squares += (value - sum / count) * (value - sum / count);
-  return {sum / count, std::sqrt(squares / (count * (count - 1.0)))};
-}
+using reference::Estimate;
+using reference::mean_of;
+using reference::mean_squared_displacement;
+using reference::unwrapped;
 
 /// 256 disks in a fluid, as after many collisions.
 State fluid(double packing_fraction, std::uint64_t seed, std::size_t count = 256) {
@@ -43,21 +36,6 @@ State fluid(double packing_fraction, std::uint64_t seed, std::size_t count = 256
   make_engine({.kind = "exact", .threads = 1}, state)->advance(state, counters, {.pair_collisions = 40 * count});
   state.clock = {};
   return state;
-}
-
-std::vector<Vector> unfolded(State const& state) {
-  std::vector<Vector> places;
-  for (std::size_t i = 0; i < state.agents.size(); ++i) {
-    places.push_back({state.agents.column<X>()[i] + state.box.width() * state.agents.column<ImageX>()[i],
-                      state.agents.column<Y>()[i] + state.box.height() * state.agents.column<ImageY>()[i]});
-  }
-  return places;
-}
-
-double mean_squared_displacement(std::vector<Vector> const& from, std::vector<Vector> const& to) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) sum += squared_length(to[i] - from[i]);
-  return sum / static_cast<double>(from.size());
 }
 
 /// Steps in diameters of the tiny disks below.
@@ -79,14 +57,14 @@ TEST(FreeBrownianDisks, DiffuseAsARandomFlight) {
                    .time_step = long_steps,
                    .thermostat = {.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = interval}},
                   state);
-  std::vector<Vector> const start = unfolded(state);
+  std::vector<Vector> const start = unwrapped(state);
   Counters counters;
   double const diffusion = 0.5 * interval;
   for (double const kicks : {1.0, 2.0, 7.0, 30.0}) {
     engine->advance(state, counters, {.time = kicks * interval});
     double const expected = 4.0 * diffusion * kicks * interval;
     // The squared displacement of a disk is exponential, so its standard deviation is its mean.
-    EXPECT_NEAR(mean_squared_displacement(start, unfolded(state)), expected, 4.0 * expected / std::sqrt(count));
+    EXPECT_NEAR(mean_squared_displacement(start, unwrapped(state)), expected, 4.0 * expected / std::sqrt(count));
   }
   EXPECT_EQ(counters.pair_collisions, 0U);
 }
@@ -99,7 +77,7 @@ TEST(FreeAndersenDisks, ForgetTheirVelocityAtTheRateOfTheKicks) {
                                    .time_step = long_steps,
                                    .thermostat = {.kind = ThermostatKind::andersen, .temperature = 1.0, .rate = rate}},
                                   state);
-  std::vector<Vector> const start = unfolded(state);
+  std::vector<Vector> const start = unwrapped(state);
   std::vector<Vector> first;
   for (std::size_t i = 0; i < count; ++i) first.push_back(velocity(state.agents, i));
   Counters counters;
@@ -107,7 +85,7 @@ TEST(FreeAndersenDisks, ForgetTheirVelocityAtTheRateOfTheKicks) {
     engine->advance(state, counters, {.time = time});
     double const kept = std::exp(-rate * time);
     double const expected = 4.0 / rate * (time - (1.0 - kept) / rate);
-    EXPECT_NEAR(mean_squared_displacement(start, unfolded(state)), expected, 4.0 * 1.5 * expected / std::sqrt(count));
+    EXPECT_NEAR(mean_squared_displacement(start, unwrapped(state)), expected, 4.0 * 1.5 * expected / std::sqrt(count));
     double correlation = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       Vector const v = velocity(state.agents, i);
@@ -137,8 +115,8 @@ TEST(AndersenDisks, TakeTheTemperatureOfTheBathExponentiallyAtAnyDensity) {
     EXPECT_GT(counters.pair_collisions, 256U);
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
-    Estimated const difference = estimate(energies[k]);
-    EXPECT_NEAR(difference.mean, 0.0, 4.0 * difference.error) << "time " << times[k];
+    Estimate const difference = mean_of(energies[k]);
+    EXPECT_NEAR(difference.value, 0.0, 4.0 * difference.error) << "time " << times[k];
   }
 }
 
@@ -157,12 +135,12 @@ TEST(BrownianDisks, HaveTheKineticEnergyOfTheCanonicalEnsemble) {
     engine->advance(state, counters, {.time = (static_cast<double>(kick) + 0.9) * interval});
     energies.push_back(kinetic_energy(state.agents));
   }
-  Estimated const mean = estimate(energies);
-  EXPECT_NEAR(mean.mean, count, 4.0 * mean.error);
+  Estimate const mean = mean_of(energies);
+  EXPECT_NEAR(mean.value, count, 4.0 * mean.error);
   std::vector<double> squares;
   for (double const energy : energies) squares.push_back((energy - count) * (energy - count));
-  Estimated const variance = estimate(squares);
-  EXPECT_NEAR(variance.mean, count, 4.0 * variance.error);
+  Estimate const variance = mean_of(squares);
+  EXPECT_NEAR(variance.value, count, 4.0 * variance.error);
   // K has a Gamma distribution of shape N: as many in each of ten classes of equal probability, whose ends come from
   // SciPy's gamma.ppf(k/10, 16).
   std::vector<double> const ends{11.135297, 12.573893, 13.686387, 14.688144, 15.667930,
@@ -204,7 +182,7 @@ TEST_P(BrownianFluid, DiffusesAsAnIndependentProgramFinds) {
     std::vector<std::vector<Vector>> places;
     for (std::size_t k = 0; k < origins + 6; ++k) {
       engine->advance(state, counters, {.time = static_cast<double>(k) * unit});
-      places.push_back(unfolded(state));
+      places.push_back(unwrapped(state));
     }
     double sum = 0.0;
     for (std::size_t origin = 0; origin < origins; ++origin) {
@@ -213,9 +191,9 @@ TEST_P(BrownianFluid, DiffusesAsAnIndependentProgramFinds) {
     }
     slopes.push_back(sum / static_cast<double>(origins) / (4.0 * diffusion * 4.0 * unit));
   }
-  Estimated const found = estimate(slopes);
+  Estimate const found = mean_of(slopes);
   EXPECT_LT(found.error, 0.02);
-  EXPECT_NEAR(found.mean, expected.diffusion, 4.0 * std::hypot(found.error, expected.error));
+  EXPECT_NEAR(found.value, expected.diffusion, 4.0 * std::hypot(found.error, expected.error));
 }
 
 INSTANTIATE_TEST_SUITE_P(PackingFractions, BrownianFluid,
@@ -241,9 +219,9 @@ TEST(BrownianDisks, HaveThePressureOfTheFluid) {
           ->advance(state, counters, {.time = 50.0});
       found.push_back(1.0 + counters.pair_virial / (2.0 * 256.0 * 50.0));
     }
-    Estimated const compressibility = estimate(found);
+    Estimate const compressibility = mean_of(found);
     EXPECT_LT(compressibility.error, 0.01);
-    EXPECT_NEAR(compressibility.mean, expected.compressibility,
+    EXPECT_NEAR(compressibility.value, expected.compressibility,
                 4.0 * std::hypot(compressibility.error, expected.error));
   }
 }

@@ -15,16 +15,17 @@
 #include "engine/exact/touch.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "io/checkpoint.hpp"
 #include "reference/random_scene.hpp"
-#include "reference/shuffled_rows.hpp"
+#include "reference/same_bits.hpp"
 
 namespace gridlock {
 namespace {
 
+using reference::expect_same_bits_from_a_checkpoint;
+using reference::expect_same_bits_however_cut;
+using reference::expect_same_bits_of_shuffled_rows;
 using reference::random_scene;
 using reference::SceneSettings;
-using reference::with_rows_shuffled;
 
 constexpr double fixed_mass = std::numeric_limits<double>::infinity();
 
@@ -121,59 +122,16 @@ INSTANTIATE_TEST_SUITE_P(Cases, Grains, testing::ValuesIn(cases()), [](auto cons
 
 TEST_P(Grains, HaveTheSameBitsHoweverTheRunIsCut) {
   for (std::uint64_t const seed : {1U, 2U}) {
-    State whole = start(seed);
-    State cut = whole;
-    double const step = make_engine(settings(), whole)->time_step();
-    Counters whole_counters;
-    make_engine(settings(), whole)->advance(whole, whole_counters, {.step = 90});
-    EXPECT_GT(whole_counters.pair_collisions, 20U);
-    Counters counters;
-    auto const engine = make_engine(settings(), cut);
-    for (std::uint64_t n = 1; n < 28; ++n) {
-      engine->advance(cut, counters, {.step = 3 * n});
-      engine->advance(cut, counters, {.step = 90, .time = cut.clock.time + 0.3 * step});
-      engine->advance(cut, counters, {.step = 90, .pair_collisions = counters.pair_collisions + 1});
-    }
-    engine->advance(cut, counters, {.step = 90});
-    EXPECT_EQ(hash(whole), hash(cut));
-    EXPECT_EQ(whole_counters.pair_collisions, counters.pair_collisions);
-    EXPECT_EQ(whole_counters.inner_wall_hits, counters.inner_wall_hits);
-    EXPECT_EQ(whole_counters.pair_virial, counters.pair_virial);
-    EXPECT_EQ(whole_counters.inner_wall_impulse, counters.inner_wall_impulse);
-    EXPECT_EQ(whole_counters.inner_wall_hits > 0, GetParam().has_walls);
+    State state = start(seed);
+    Counters const counters = expect_same_bits_however_cut(state, settings(), 90);
+    EXPECT_GT(counters.pair_collisions, 20U);
+    EXPECT_EQ(counters.inner_wall_hits > 0, GetParam().has_walls);
   }
 }
 
-TEST_P(Grains, GoOnFromACheckpointWithTheSameBits) {
-  State state = start(5);
-  auto const engine = make_engine(settings(), state);
-  Counters counters;
-  engine->advance(state, counters, {.step = 21});
-  std::string const saved = to_checkpoint([&](Archive& archive) { engine->serialize(archive, state); });
-  State resumed = state;
-  auto const other = make_engine(settings(), resumed);
-  from_checkpoint(saved, "saved", [&](Archive& archive) { other->serialize(archive, resumed); });
-  Counters resumed_counters = counters;
-  engine->advance(state, counters, {.step = 70});
-  other->advance(resumed, resumed_counters, {.step = 70});
-  EXPECT_EQ(hash(state), hash(resumed));
-  EXPECT_EQ(counters.pair_virial, resumed_counters.pair_virial);
-  auto const numbers = [](std::vector<Count> const& counts) {
-    std::vector<std::uint64_t> values;
-    for (Count const& count : counts) values.push_back(count.value);
-    return values;
-  };
-  EXPECT_EQ(numbers(engine->counts(state, counters)), numbers(other->counts(resumed, resumed_counters)));
-}
+TEST_P(Grains, GoOnFromACheckpointWithTheSameBits) { expect_same_bits_from_a_checkpoint(start(5), settings(), 21, 70); }
 
-TEST_P(Grains, DependOnIdsAndNotOnRows) {
-  State state = start(6);
-  State shuffled = with_rows_shuffled(state, 4);
-  Counters counters;
-  make_engine(settings(), state)->advance(state, counters, {.step = 60});
-  make_engine(settings(), shuffled)->advance(shuffled, counters, {.step = 60});
-  EXPECT_EQ(hash(state), hash(shuffled));
-}
+TEST_P(Grains, DependOnIdsAndNotOnRows) { expect_same_bits_of_shuffled_rows(start(6), settings(), 60); }
 
 TEST_P(Grains, HaveTheSameBitsWithAnyCellsAndWithLists) {
   GrainsCase const& c = GetParam();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -12,22 +13,30 @@
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
-#include "io/checkpoint.hpp"
 #include "reference/random_scene.hpp"
-#include "reference/shuffled_rows.hpp"
+#include "reference/same_bits.hpp"
 
 namespace gridlock {
 namespace {
 
+using reference::expect_same_bits_from_a_checkpoint;
+using reference::expect_same_bits_however_cut;
+using reference::expect_same_bits_of_shuffled_rows;
 using reference::random_scene;
 using reference::SceneSettings;
-using reference::with_rows_shuffled;
+
+void fix(Disks& disks, std::size_t row) {
+  disks.column<Mass>()[row] = std::numeric_limits<double>::infinity();
+  disks.column<VelocityX>()[row] = 0.0;
+  disks.column<VelocityY>()[row] = 0.0;
+}
 
 struct ThermostatCase {
   std::string name;
   ThermostatSettings thermostat;
   SceneSettings scene;
   PropulsionSettings propulsion = {};
+  bool has_fixed = false;  ///< every fifth disk is fixed
 
   friend std::ostream& operator<<(std::ostream& out, ThermostatCase const& c) { return out << c.name; }
 };
@@ -52,6 +61,9 @@ std::vector<ThermostatCase> cases() {
           {"brownian_one", brownian(0.05), one},
           {"active", brownian(0.02), fluid, {.speed = 2.0, .rotational_diffusion = 3.0}},
           {"active_mixture", brownian(0.01), mixture, {.speed = 2.0, .rotational_diffusion = 3.0}},
+          {"active_fixed", brownian(0.02), fluid, {.speed = 2.0, .rotational_diffusion = 3.0}, true},
+          {"brownian_fixed", brownian(0.02), fluid, {}, true},
+          {"andersen_fixed", andersen, mixture, {}, true},
           {"andersen", andersen, fluid},
           {"andersen_mixture", andersen, mixture},
           {"andersen_one", andersen, one}};
@@ -66,7 +78,9 @@ class Thermostats : public testing::TestWithParam<ThermostatCase> {
   static State start(std::uint64_t seed) {
     SceneSettings scene = GetParam().scene;
     scene.seed = seed;
-    return random_scene(scene);
+    State state = random_scene(scene);
+    for (std::size_t i = 0; GetParam().has_fixed && i < state.agents.size(); i += 5) fix(state.agents, i);
+    return state;
   }
 };
 
@@ -74,55 +88,19 @@ INSTANTIATE_TEST_SUITE_P(Cases, Thermostats, testing::ValuesIn(cases()), [](auto
 
 TEST_P(Thermostats, KickAtTheSameTimesHoweverTheRunIsCut) {
   for (std::uint64_t const seed : {1U, 2U, 3U}) {
-    State whole = start(seed);
-    State cut = whole;
-    double const step = make_engine(settings(), whole)->time_step();
-    Counters whole_counters;
-    make_engine(settings(), whole)->advance(whole, whole_counters, {.step = 60});
-    EXPECT_NO_THROW(validate(whole));
-    EXPECT_NE(kinetic_energy(whole.agents), kinetic_energy(cut.agents));
-
-    Counters counters;
-    auto const engine = make_engine(settings(), cut);
-    for (std::uint64_t n = 1; n < 18; ++n) {
-      engine->advance(cut, counters, {.step = 3 * n});
-      engine->advance(cut, counters, {.step = 60, .time = cut.clock.time + 0.3 * step});
-      if (whole_counters.pair_collisions == 0) continue;
-      engine->advance(cut, counters, {.step = 60, .pair_collisions = counters.pair_collisions + 1});
-    }
-    engine->advance(cut, counters, {.step = 60});
-    EXPECT_EQ(hash(whole), hash(cut));
-    EXPECT_EQ(whole_counters.pair_collisions, counters.pair_collisions);
-    EXPECT_EQ(whole_counters.pair_virial, counters.pair_virial);
-    EXPECT_EQ(whole_counters.swum, counters.swum);
+    State state = start(seed);
+    double const energy = kinetic_energy(state.agents);
+    expect_same_bits_however_cut(state, settings(), 60);
+    EXPECT_NO_THROW(validate(state));
+    EXPECT_NE(kinetic_energy(state.agents), energy);
   }
 }
 
 TEST_P(Thermostats, GoOnFromACheckpointWithTheSameBits) {
-  State state = start(5);
-  auto const engine = make_engine(settings(), state);
-  Counters counters;
-  engine->advance(state, counters, {.step = 21});
-  std::string const saved = to_checkpoint([&](Archive& archive) { engine->serialize(archive, state); });
-  State resumed = state;
-  auto const other = make_engine(settings(), resumed);
-  from_checkpoint(saved, "saved", [&](Archive& archive) { other->serialize(archive, resumed); });
-  Counters resumed_counters = counters;
-  engine->advance(state, counters, {.step = 50});
-  other->advance(resumed, resumed_counters, {.step = 50});
-  EXPECT_EQ(hash(state), hash(resumed));
-  EXPECT_EQ(counters.pair_virial, resumed_counters.pair_virial);
-  EXPECT_EQ(counters.swum, resumed_counters.swum);
+  expect_same_bits_from_a_checkpoint(start(5), settings(), 21, 50);
 }
 
-TEST_P(Thermostats, DependOnIdsAndNotOnRows) {
-  State state = start(6);
-  State shuffled = with_rows_shuffled(state, 4);
-  Counters counters;
-  make_engine(settings(), state)->advance(state, counters, {.step = 40});
-  make_engine(settings(), shuffled)->advance(shuffled, counters, {.step = 40});
-  EXPECT_EQ(hash(state), hash(shuffled));
-}
+TEST_P(Thermostats, DependOnIdsAndNotOnRows) { expect_same_bits_of_shuffled_rows(start(6), settings(), 40); }
 
 /// Disks on a lattice, enough of them for threads to share.
 State crowd() {
@@ -173,6 +151,37 @@ TEST(BrownianDisk, WithoutCollisionsIsARandomFlight) {
                           state.agents.column<Y>()[0] + 2.0 * state.agents.column<ImageY>()[0]};
     EXPECT_NEAR(unfolded.x, place.x, 1e-12 * static_cast<double>(kick + 1));
     EXPECT_NEAR(unfolded.y, place.y, 1e-12 * static_cast<double>(kick + 1));
+  }
+}
+
+TEST(KickedDisk, MovesBesideFixedDisksAsItWouldAlone) {
+  // Far from the fixed disks, whose Ids are lower and higher, it meets none of them.
+  for (ThermostatKind const kind : {ThermostatKind::brownian, ThermostatKind::andersen}) {
+    bool const is_brownian = kind == ThermostatKind::brownian;
+    EngineSettings const settings{.kind = "exact",
+                                  .thermostat = {.kind = kind, .temperature = 0.01, .rate = 20.0, .interval = 0.05},
+                                  .propulsion = {.speed = is_brownian ? 0.1 : 0.0, .rotational_diffusion = 2.0}};
+    State alone{.box = Box(9.0, 7.0, Edge::periodic), .seed = 9};
+    State beside = alone;
+    ASSERT_TRUE(alone.agents.add_as(1, 4.0, 3.0, 0.06, 0.08, 0.1, 1.0, 0, 0));
+    beside.agents.add(1.0, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
+    beside.agents.add(4.0, 3.0, 0.06, 0.08, 0.1, 1.0, 0, 0);
+    beside.agents.add(8.0, 6.0, 0.0, 0.0, 0.1, 1.0, 0, 0);
+    fix(beside.agents, 0);
+    fix(beside.agents, 2);
+    Counters counters_alone;
+    Counters counters_beside;
+    auto const engine_alone = make_engine(settings, alone);
+    auto const engine_beside = make_engine(settings, beside);
+    for (int k = 1; k <= 20; ++k) {
+      engine_alone->advance(alone, counters_alone, {.time = 0.27 * k});
+      engine_beside->advance(beside, counters_beside, {.time = 0.27 * k});
+      EXPECT_EQ(velocity(alone.agents, 0), velocity(beside.agents, 1));
+      EXPECT_NEAR(alone.agents.column<X>()[0], beside.agents.column<X>()[1], 1e-12);
+    }
+    EXPECT_EQ(counters_beside.pair_collisions, 0U);
+    EXPECT_NEAR(counters_alone.swum, counters_beside.swum, 1e-9);
+    EXPECT_EQ(counters_alone.swum_if_free, counters_beside.swum_if_free);
   }
 }
 
