@@ -24,9 +24,11 @@ ExactSum read_sum(MessageReader& message) {
 
 void CountersOfStep::add(Counters const& of_tile) {
   pair_virial_.add(of_tile.pair_virial);
+  inner_wall_impulse_.add(of_tile.inner_wall_impulse);
   for (std::size_t wall = 0; wall < wall_impulse_.size(); ++wall) wall_impulse_[wall].add(of_tile.wall_impulse[wall]);
   Counters whole_numbers = of_tile;
   whole_numbers.pair_virial = 0.0;
+  whole_numbers.inner_wall_impulse = 0.0;
   whole_numbers.wall_impulse = {};
   gridlock::add(whole_numbers_, whole_numbers);
 }
@@ -34,12 +36,14 @@ void CountersOfStep::add(Counters const& of_tile) {
 void CountersOfStep::add(CountersOfStep const& others) {
   gridlock::add(whole_numbers_, others.whole_numbers_);
   pair_virial_.add(others.pair_virial_);
+  inner_wall_impulse_.add(others.inner_wall_impulse_);
   for (std::size_t wall = 0; wall < wall_impulse_.size(); ++wall) wall_impulse_[wall].add(others.wall_impulse_[wall]);
 }
 
 void CountersOfStep::add_to(Counters& counters) const {
   Counters rounded = whole_numbers_;
   rounded.pair_virial = pair_virial_.value();
+  rounded.inner_wall_impulse = inner_wall_impulse_.value();
   for (std::size_t wall = 0; wall < wall_impulse_.size(); ++wall) {
     rounded.wall_impulse[wall] = wall_impulse_[wall].value();
   }
@@ -49,6 +53,7 @@ void CountersOfStep::add_to(Counters& counters) const {
 void CountersOfStep::write(MessageWriter& message) const {
   message.add(whole_numbers_);
   write_sum(message, pair_virial_);
+  write_sum(message, inner_wall_impulse_);
   for (ExactSum const& sum : wall_impulse_) write_sum(message, sum);
 }
 
@@ -56,6 +61,7 @@ CountersOfStep CountersOfStep::read(MessageReader& message) {
   CountersOfStep counters;
   counters.whole_numbers_ = message.next<Counters>();
   counters.pair_virial_ = read_sum(message);
+  counters.inner_wall_impulse_ = read_sum(message);
   for (ExactSum& sum : counters.wall_impulse_) sum = read_sum(message);
   return counters;
 }

@@ -46,11 +46,13 @@ void visit_kind(SettingVisitor& visitor, std::string& kind) {
 }  // namespace
 
 std::vector<Count> Engine::counts(State const& /*state*/, Counters const& counters) const {
-  return {{"moves", counters.moves},
-          {"halted_moves", counters.halted_moves},
-          {"pair_collisions", counters.pair_collisions},
-          {"wall_hits", counters.all_wall_hits()},
-          {"distance_checks", counters.distance_checks}};
+  std::vector<Count> counts{{"moves", counters.moves},
+                            {"halted_moves", counters.halted_moves},
+                            {"pair_collisions", counters.pair_collisions},
+                            {"wall_hits", counters.all_wall_hits()},
+                            {"distance_checks", counters.distance_checks}};
+  if (counters.inner_wall_hits > 0) counts.push_back({"inner_wall_hits", counters.inner_wall_hits});
+  return counts;
 }
 
 std::span<EngineRecord const> engine_records() { return registry(); }
@@ -63,22 +65,7 @@ EngineRecord const& engine_record(std::string_view kind) {
                .key = "engine.kind"});
 }
 
-void require_known(EngineRecord const& engine, EngineSettings const& settings) {
-  auto const refuse = [&](std::string_view what, std::string_view without, std::string key) {
-    throw Error({.what = fmt::format("the engine \"{}\" has no {}", engine.name, what),
-                 .hint = fmt::format("use engine.kind = \"exact\", or {}", without),
-                 .key = std::move(key)});
-  };
-  if (!settings.walls.empty() && !engine.uses_walls) refuse("walls inside the box", "leave [[walls]] out", "walls");
-  if (engine.has_free_flight) return;
-  if (settings.thermostat.kind != ThermostatKind::none) {
-    refuse("thermostat", "thermostat.kind = \"none\"", "thermostat.kind");
-  }
-  if (settings.collisions.lose_energy()) {
-    refuse("collisions that lose energy", "collisions.restitution = 1", "collisions.restitution");
-  }
-  if (settings.gravity.exists()) refuse("gravity", "leave [gravity] out", "gravity");
-}
+namespace {
 
 void require_propulsion(EngineRecord const& engine, EngineSettings const& settings) {
   if (!settings.propulsion.is_on() || engine.has_time_step) return;
@@ -90,6 +77,32 @@ void require_propulsion(EngineRecord const& engine, EngineSettings const& settin
                .key = "propulsion.speed"});
 }
 
+}  // namespace
+
+void require_known(EngineRecord const& engine, EngineSettings const& settings) {
+  require_propulsion(engine, settings);
+  auto const refuse = [&](std::string_view what, std::string_view without, std::string key) {
+    throw Error({.what = fmt::format("the engine \"{}\" has no {}", engine.name, what),
+                 .hint = fmt::format("use engine.kind = \"exact\", or {}", without),
+                 .key = std::move(key)});
+  };
+  if (engine.has_free_flight) return;
+  if (settings.thermostat.kind != ThermostatKind::none) {
+    refuse("thermostat", "thermostat.kind = \"none\"", "thermostat.kind");
+  }
+  if (settings.collisions.lose_energy()) {
+    refuse("collisions that lose energy", "collisions.restitution = 1", "collisions.restitution");
+  }
+  if (settings.gravity.exists()) refuse("gravity", "leave [gravity] out", "gravity");
+}
+
+double bytes_per_kicked_disk(EngineSettings const& settings) {
+  // Time, disk and number of a kick; heading and place of a swimmer.
+  double const of_kicks = settings.thermostat.kind == ThermostatKind::andersen ? 24.0 : 0.0;
+  bool const keeps_headings = settings.propulsion.is_on() && engine_record(settings.kind).has_free_flight;
+  return of_kicks + (keeps_headings ? 32.0 : 0.0);
+}
+
 std::vector<std::string> engine_kinds() {
   std::vector<std::string> kinds;
   for (EngineRecord const& record : registry()) kinds.emplace_back(record.name);
@@ -99,7 +112,6 @@ std::vector<std::string> engine_kinds() {
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
   require_known(record, settings);
-  require_propulsion(record, settings);
   return record.make(settings, state);
 }
 

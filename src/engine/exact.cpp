@@ -121,7 +121,6 @@ EngineRecord exact_record() {
           .has_time_step = false,
           .uses_threads = true,
           .has_free_flight = true,
-          .uses_walls = true,
           .bytes_per_disk = 340.0,
           .bytes_per_disk_of_threads = 310.0,
           .bytes_per_disk_of_checkpoint = 163.0,
@@ -159,7 +158,6 @@ void ExactEngine::require_valid(State const& state) const {
 
 std::vector<Count> ExactEngine::counts(State const& state, Counters const& counters) const {
   std::vector<Count> counts = Engine::counts(state, counters);
-  if (!walls_.empty()) counts.push_back({"inner_wall_hits", counters.inner_wall_hits});
   if (collisions_.contact_time > 0.0) counts.push_back({"elastic_contacts", elastic_contacts()});
   std::ranges::move(audits(), std::back_inserter(counts));
   return counts;

@@ -114,10 +114,14 @@ std::vector<Obstacle> obstacles_of(std::span<WallSettings const> walls) {
   return obstacles;
 }
 
+Obstacles walls_of(std::span<WallSettings const> walls, Box const& box, double largest_radius) {
+  return {box, obstacles_of(walls), largest_radius};
+}
+
 void require_room_beside_walls(State const& state, std::span<WallSettings const> walls) {
   for (std::size_t k = 0; k < walls.size(); ++k) require_in_box(state.box, walls[k], k);
   Disks const& disks = state.agents;
-  Obstacles const obstacles(state.box, obstacles_of(walls), radius_range(disks).largest);
+  Obstacles const obstacles = walls_of(walls, state.box, radius_range(disks).largest);
   if (obstacles.empty()) return;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     Vector const p = position(disks, i);

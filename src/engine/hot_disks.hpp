@@ -75,9 +75,11 @@ class HotDisks {
             .contact = settings.contact};
   }
   /// `of_step` is set by the caller for each step, if disks propel themselves.
-  TurnView view(Box const& box, EngineSettings const& settings, double duration, HeadingStep const& of_step) {
+  TurnView view(Box const& box, EngineSettings const& settings, double duration, HeadingStep const& of_step,
+                Obstacles const& walls) {
     TurnView of_all = view(box, settings, duration);
     if (settings.propulsion.is_on()) of_all.heading = &of_step;
+    if (!walls.empty()) of_all.walls = &walls;
     return of_all;
   }
 

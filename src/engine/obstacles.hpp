@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -48,6 +49,14 @@ class Obstacles {
   [[nodiscard]] std::size_t size() const { return all_.size(); }
   [[nodiscard]] Obstacle const& operator[](std::size_t k) const { return all_[k]; }
 
+  /// Returns whether a disk may touch an obstacle on its way between two points.
+  [[nodiscard]] bool may_be_met(Vector from, Vector to) const {
+    bool is_any_near = false;
+    for_each_near({std::min(from.x, to.x), std::min(from.y, to.y)}, {std::max(from.x, to.x), std::max(from.y, to.y)},
+                  [&](std::uint32_t /*k*/) { is_any_near = true; });
+    return is_any_near;
+  }
+
   /// Calls visit(k) for every obstacle that a disk with its centre in this rectangle may touch, for some more, and for
   /// some of them twice. Contract: the obstacles are not empty.
   template <class Visit>
@@ -78,5 +87,8 @@ class Obstacles {
   std::vector<std::size_t> begin_of_cell_;
   std::vector<std::uint32_t> in_cells_;
 };
+
+/// Returns the walls of valid settings for disks of at most this radius.
+Obstacles walls_of(std::span<WallSettings const> walls, Box const& box, double largest_radius);
 
 }  // namespace gridlock

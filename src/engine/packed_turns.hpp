@@ -188,7 +188,7 @@ class PackedTurns {
   struct Prepared {
     std::uint64_t near;  ///< bit slots·k + s is set where slot s of cell k around may be met; the last k is its own
     std::uint32_t disk;
-    bool is_far_from_edge;
+    bool is_far_from_edge;   ///< and from walls inside the box
     bool needs_more_blocks;  ///< true where a cell around has more disks than a block holds
   };
 
@@ -200,7 +200,7 @@ class PackedTurns {
     Around const around = around_of(home);
     // One cell is wider than displacement and contact distance, so a disk in an inner cell cannot get to the edge.
     bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < constants_.inner_columns &&
-                                  static_cast<unsigned>(home.row - 1) < constants_.inner_rows;
+                                  static_cast<unsigned>(home.row - 1) < constants_.inner_rows && !may_meet_wall(i);
     return {.near = find_near(i, home, slot, around),
             .disk = static_cast<std::uint32_t>(i),
             .is_far_from_edge = is_far_from_edge,
@@ -234,7 +234,8 @@ class PackedTurns {
   /// other.
   void take_batch(TurnsInOrder const& order, std::size_t first, std::size_t count) {
     static TakeBatch const kernel = batch_kernel(target());
-    kernel(*this, order, first, count);
+    // The kernels know no walls inside the box.
+    (constants_.view.walls == nullptr ? kernel : take_batch_scalar)(*this, order, first, count);
   }
 
   /// Takes the turn of disk i, however far it moves.
@@ -256,6 +257,13 @@ class PackedTurns {
   using Around = std::array<Block const*, 9>;
   static constexpr std::size_t slots = PackedGrid::slots;
   static constexpr std::size_t own = TurnConstants::blocks_around;
+
+  /// Returns whether the disk may touch a wall inside the box in its turn.
+  [[nodiscard]] bool may_meet_wall(std::size_t i) const {
+    if (constants_.view.walls == nullptr) return false;
+    DiskInTurn const& disk = constants_.view.disks[i];
+    return constants_.view.walls->may_be_met(disk.position, disk.position + constants_.duration * disk.velocity);
+  }
 
   [[nodiscard]] Around around_of(Block const& home) const {
     Block const* const below = &grid_.block_at(home.column, grid_.row_below(home.row));

@@ -77,6 +77,7 @@ void require_moving_swimmers(EngineSettings const& settings, State const& some) 
 
 void require_short_ways(EngineSettings const& settings, State const& some, DisksOverview const& all) {
   require_moving_swimmers(settings, some);
+  require_room_beside_walls(some, settings.walls);
   double const substep = step_duration(settings, all.radii.smallest) / static_cast<double>(settings.substeps);
   require_no_jumps(some, all, substep);
   require_room_for_images(some.box, all, substep);
@@ -212,7 +213,8 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters
 void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.agents.ids()));
   HeadingStep of_step{};
-  TurnView const view = disks.view(state.box, settings_, duration_, of_step);
+  Obstacles const walls = walls_of(settings_.walls, state.box, radius_range(state.agents).largest);
+  TurnView const view = disks.view(state.box, settings_, duration_, of_step, walls);
   auto grid = grid_of<LinkedGrid>(layout_, disks);
   Cutoff const cutoff(state.box, radius_range(state.agents).largest, duration_, settings_.substeps);
   take_turns(state, disks, counters, stop_condition, of_step, [&](std::size_t i, double squared_speed) {
@@ -230,7 +232,8 @@ void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondi
 void SteppedEngine::advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.agents.ids()));
   HeadingStep of_step{};
-  TurnView const view = disks.view(state.box, settings_, duration_, of_step);
+  Obstacles const walls = walls_of(settings_.walls, state.box, radius_range(state.agents).largest);
+  TurnView const view = disks.view(state.box, settings_, duration_, of_step, walls);
   auto grid = grid_of<PackedGrid>(layout_, disks);
   PackedTurns turns(view, grid, radius_range(state.agents), duration_);
   take_turns(state, disks, counters, stop_condition, of_step, [&](std::size_t i, double squared_speed) {

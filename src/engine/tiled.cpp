@@ -103,7 +103,8 @@ tiled::TurnRule TiledEngine::rule_of(State const& state) const {
           .substeps = settings_.substeps,
           .contact = settings_.contact,
           .radii = radius_range(state.agents),
-          .heading = heading_rule(settings_.propulsion, duration_, state.seed)};
+          .heading = heading_rule(settings_.propulsion, duration_, state.seed),
+          .walls = walls_of(settings_.walls, state.box, radius_range(state.agents).largest)};
 }
 
 void TiledEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {

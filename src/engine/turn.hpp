@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "engine/obstacles.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 
@@ -45,6 +46,7 @@ struct TurnView {
   /// The step of self-propelled disks, whose headings turn before their turn and which keep their velocities where they
   /// halt; nullptr for others.
   HeadingStep const* heading = nullptr;
+  Obstacles const* walls = nullptr;  ///< walls inside the box; nullptr where there are none
 
   [[nodiscard]] bool is_propelled() const { return heading != nullptr; }
 };
@@ -109,12 +111,43 @@ inline bool hits_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Coun
   return is_hit;
 }
 
+/// Reverses the part of a disk's velocity along b. Returns the change of the velocity.
+inline Vector reflect_along(Vector b, DiskInTurn& disk) {
+  Vector const change = (-2.0 * dot(disk.velocity, b) / squared_length(b)) * b;
+  disk.velocity = disk.velocity + change;
+  return change;
+}
+
+/// Reflects a disk from the nearest wall inside the box that it overlaps at `trial`, ties to the first one, along the
+/// line to that wall at the start of the sub-step; a self-propelled disk keeps its velocity. Returns whether it hits a
+/// wall. No sub-step is as long as a diameter, so that none goes through a wall.
+[[gnu::cold]] inline bool hits_inner_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Vector displacement,
+                                          Counters& counters) {
+  if (disk.is_fixed()) return false;
+  double const contact = disk.radius * (1.0 - rounding_at_walls);
+  double nearest = contact * contact;
+  Obstacle const* wall = nullptr;
+  view.walls->for_each_near(trial, trial, [&](std::uint32_t k) {
+    Obstacle const& other = (*view.walls)[k];
+    double const squared = squared_length(other.nearest_to(trial) - trial);
+    if (!(squared < nearest || (squared == nearest && &other < wall))) return;
+    nearest = squared;
+    wall = &other;
+  });
+  if (wall == nullptr) return false;
+  ++counters.inner_wall_hits;
+  if (view.is_propelled()) return true;
+  Vector const from = trial - displacement;  // on the side of the periodic edges on which `trial` is
+  Vector const change = reflect_along(wall->nearest_to(from) - from, disk);
+  counters.inner_wall_impulse += disk.mass * std::sqrt(squared_length(change));
+  return true;
+}
+
 /// Reflects a disk from a fixed one as from a disk of infinite mass; see collide().
 [[gnu::cold]] inline void reflect_from_fixed(Box const& box, DiskInTurn& self, DiskInTurn const& fixed,
                                              Counters& counters) {
   Vector const b = box.displacement_inside(self.position, fixed.position);
-  Vector const change = (-2.0 * dot(self.velocity, b) / squared_length(b)) * b;
-  self.velocity = self.velocity + change;
+  Vector const change = reflect_along(b, self);
   ++counters.pair_collisions;
   counters.pair_virial -= self.mass * dot(b, change);
 }
@@ -145,7 +178,8 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
   counters.pair_virial -= self.mass * dot(b, change_self);
 }
 
-/// Whether a disk may get to an edge of the box in its turn. If it cannot, walls and wrapping are left out.
+/// Whether a disk may get to an edge of the box, or to a wall inside it, in its turn. If it cannot, walls and wrapping
+/// are left out.
 enum class EdgeOfTurn { may_be_met, is_far };
 
 /// Takes one disk's turn in one time step by the rule of the paper: up to `substeps` trial moves. The first that would
@@ -186,6 +220,10 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
       }
       // Wrapping rounds, so it comes before the overlap check: the position that is kept must be the one checked.
       trial = view.box.wrap(trial, trial_crossed_x, trial_crossed_y);
+      if (view.walls != nullptr && hits_inner_wall(view, disk, trial, displacement, counters)) {
+        ++counters.halted_moves;
+        break;
+      }
     }
     Partner partner(view, i, trial);
     search(partner);

@@ -19,6 +19,10 @@ namespace gridlock {
 
 namespace {
 
+std::uint64_t samples_between_origins(std::uint64_t max_lag, std::uint64_t origin_every) {
+  return origin_every > 0 ? origin_every : (max_lag + 7) / 8;
+}
+
 /// Returns the first lag of the slope: a third of the longest.
 std::uint64_t early_lag_of(std::uint64_t max_lag) { return std::max<std::uint64_t>(1, (max_lag + 1) / 3); }
 
@@ -45,12 +49,16 @@ std::vector<std::uint64_t> lags_of_curve(std::uint64_t max_lag) {
   return lags;
 }
 
+std::uint64_t DisplacementCurve::origins_in_use(std::uint64_t max_lag, std::uint64_t origin_every) {
+  return max_lag == 0 ? 0 : (max_lag - 1) / samples_between_origins(max_lag, origin_every) + 1;
+}
+
 DisplacementCurve::DisplacementCurve(std::uint64_t max_lag, std::uint64_t origin_every)
     : max_lag_(max_lag),
-      origin_every_(origin_every > 0 ? origin_every : (max_lag + 7) / 8),
+      origin_every_(samples_between_origins(max_lag, origin_every)),
       lags_(lags_of_curve(max_lag)),
       early_(early_lag_of(max_lag)) {
-  std::uint64_t const in_use = (max_lag_ - 1) / origin_every_ + 1;
+  std::uint64_t const in_use = origins_in_use(max_lag, origin_every);
   if (in_use > max_origins) {
     throw Error(
         {.what = fmt::format("lags up to {} samples with an origin every {} samples keep {} origins at one time",

@@ -39,6 +39,9 @@ class DisplacementCurve final : public Observable {
  public:
   /// The most origins in use at one time.
   static constexpr std::uint64_t max_origins = 64;
+  static constexpr double bytes_per_agent = 24.0;  ///< for each origin in use
+  /// Returns the number of origins in use at one time; 0 without a curve.
+  static std::uint64_t origins_in_use(std::uint64_t max_lag, std::uint64_t origin_every);
 
   /// `origin_every` = 0 stands for an eighth of the longest lag, rounded up. Contract: max_lag ≥ 1.
   /// Errors: Error for more origins in use than max_origins.

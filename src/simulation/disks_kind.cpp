@@ -18,6 +18,7 @@
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
+#include "observe/displacement_curve.hpp"
 #include "parallel/disks_of_all.hpp"
 #include "simulation/countable_time.hpp"
 #include "simulation/disks_start.hpp"
@@ -268,7 +269,6 @@ class DisksKind final : public ModelKind {
 
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
-    require_propulsion(engine_record(configuration.engine.kind), configuration.engine);
     require_valid(configuration.protocol);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {
       throw Error({.what = "the stages of a protocol know no walls inside the box",
@@ -285,10 +285,19 @@ class DisksKind final : public ModelKind {
     CheckpointSettings const& checkpoint = configuration.checkpoint;
     bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last;
     bool const has_threads = threads_of(configuration, std::nullopt) > 1;
+    ObserveSettings const& observe = configuration.observe;
+    std::uint64_t const origins =
+        DisplacementCurve::origins_in_use(observe.displacement_lag, observe.displacement_origin_every);
     return engine.bytes_per_disk + (has_threads ? engine.bytes_per_disk_of_threads : 0.0) +
-           (has_checkpoints ? engine.bytes_per_disk_of_checkpoint : 0.0);
+           (has_checkpoints ? engine.bytes_per_disk_of_checkpoint : 0.0) + bytes_per_kicked_disk(configuration.engine) +
+           DisplacementCurve::bytes_per_agent * static_cast<double>(origins);
   }
 };
+
+/// Whether disks at rest get velocities during the run.
+bool gives_velocities(EngineSettings const& settings) {
+  return settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() || settings.gravity.exists();
+}
 
 /// Returns the engine of a run; if only collisions end the run, it fails after a long time without collisions.
 std::unique_ptr<EngineFor<HardDisks>> patient(std::unique_ptr<Engine> engine, RunSettings const& run,
@@ -339,9 +348,7 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
   if (auto note = misleading_rule(box, disks, settings)) setup.notes.push_back(*std::move(note));
   if (auto note = may_collapse(settings.collisions)) setup.notes.push_back(*std::move(note));
   if (auto note = motion_by_propulsion(settings, disks)) setup.notes.push_back(*std::move(note));
-  bool const gets_velocities =
-      settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() || settings.gravity.exists();
-  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !gets_velocities) {
+  if (auto note = nothing_moves(disks, setup.configuration.velocities); note && !gives_velocities(settings)) {
     setup.notes.push_back(*std::move(note));
   }
   if (auto note = wait_for_fast_disks(settings, disks)) setup.notes.push_back(*std::move(note));
@@ -366,10 +373,8 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   settings.processes = processes;
   processes.agree([&] {
     if (has_speed) require_bounded_step(configuration.engine, all);
-    EngineSettings const& moved_by = configuration.engine;
-    bool const is_moved =
-        moved_by.thermostat.kind != ThermostatKind::none || moved_by.gravity.exists() || moved_by.propulsion.is_on();
-    if (configuration.protocol.empty() && ends_with_collisions(run) && !is_moved) require_motion(all);
+    bool const needs_motion = ends_with_collisions(run) && !gives_velocities(configuration.engine);
+    if (configuration.protocol.empty() && needs_motion) require_motion(all);
   });
   if (!configuration.protocol.empty()) {
     std::ranges::move(notes_on_ends(configuration.protocol), std::back_inserter(setup.notes));
@@ -377,6 +382,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
     return;
   }
   require_floor(settings, own);
+  if (auto note = lasting_contacts(settings, own)) setup.notes.push_back(*std::move(note));
   std::unique_ptr<Engine> engine = engine_for(own, setup.start_file, settings);
   processes.agree([&] { check_disks(setup, settings, own.box, own.clock, all); });
   EngineRecord const& record = engine_record(settings.kind);

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -17,14 +19,24 @@ namespace {
 /// is linear in the path (docs/explanation/thermostats.md).
 constexpr double error_per_flight = 0.4;
 
+std::vector<double> moving_masses(Disks const& disks) {
+  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
+  std::erase_if(masses, [](double m) { return is_fixed(m); });
+  return masses;
+}
+
+double mean_of(std::vector<double> const& values) {
+  double sum = 0.0;
+  for (double const value : values) sum += value / static_cast<double>(values.size());
+  return sum;
+}
+
 }  // namespace
 
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
   if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
-  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
-  std::erase_if(masses, [](double m) { return is_fixed(m); });
-  double mass = 0.0;
-  for (double const of_disk : masses) mass += of_disk / static_cast<double>(masses.size());
+  std::vector<double> const masses = moving_masses(disks);
+  double const mass = mean_of(masses);
   bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return m != masses[0]; });
   BrownianScales const scales = brownian_scales(settings, mass, 2.0 * radius_range(disks).smallest);
   return Event{.kind = EventKind::thermostat,
@@ -44,7 +56,39 @@ std::optional<Event> may_collapse(CollisionSettings const& collisions) {
   return Event{.kind = EventKind::losing_energy, .key = "collisions.contact_time", .values = {{"restitution", lowest}}};
 }
 
+std::optional<Event> lasting_contacts(EngineSettings const& settings, State const& state) {
+  constexpr double noted_share = 0.05;
+  CollisionSettings const& collisions = settings.collisions;
+  std::vector<double> const masses = moving_masses(state.agents);
+  if (!collisions.lose_energy() || !(collisions.contact_time > 0.0) || masses.empty()) return std::nullopt;
+  auto const count = static_cast<double>(masses.size());
+  double const temperature = settings.thermostat.temperature.value_or(kinetic_energy(state.agents) / count);
+  double const diameter = 2.0 * radius_range(state.agents).largest;
+  double const density = count / state.box.area();
+  double const filled = packing_fraction_of(state);
+  // The rate of Enskog with the contact value of Henderson (1975, doi:10.1080/00268977500102511).
+  double const contact_value = (1.0 - 7.0 * filled / 16.0) / ((1.0 - filled) * (1.0 - filled));
+  double const rate =
+      2.0 * diameter * density * contact_value * std::sqrt(std::numbers::pi * temperature / mean_of(masses));
+  double const share = -std::expm1(-2.0 * rate * collisions.contact_time);
+  if (share < noted_share) return std::nullopt;
+  return Event{.kind = EventKind::lasting_contacts,
+               .key = "collisions.contact_time",
+               .values = {{"percent", 100.0 * share}, {"mean_free_time", 1.0 / rate}}};
+}
+
 void require_floor(EngineSettings const& settings, State const& state) {
+  constexpr double max_falls_in_step = 1e6;
+  double const gravity = std::sqrt(squared_length(settings.gravity.acceleration()));
+  double const fall = std::sqrt(2.0 * 2.0 * radius_range(state.agents).smallest / gravity);
+  if (gravity > 0.0 && step_duration(settings, state) > max_falls_in_step * fall) {
+    throw Error(
+        {.what = fmt::format("a gravity of {:.6g} lets a disk fall through its diameter in {:.3g}, while a time "
+                             "step lasts {:.3g}: a run would be bounces without end",
+                             gravity, fall, step_duration(settings, state)),
+         .hint = "use a weaker gravity, or a shorter engine.time_step",
+         .key = "gravity"});
+  }
   // Collisions of disks keep their common motion, which only a bath, or what never moves, can stop.
   bool const has_obstacles = !settings.walls.empty() || count_of_fixed(state.agents) > 0;
   bool const is_held =

@@ -21,7 +21,12 @@ std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksO
 /// Returns a note where collisions may come without end. With e of 0.95 or more that takes more disks than runs have.
 std::optional<Event> may_collapse(CollisionSettings const& collisions);
 
-/// Throws Error for disks that would fall without end, ever faster.
+/// Returns a note where contacts last so long that a twentieth of the collisions, or more, lose no energy, if disks
+/// collide as often as in equilibrium at the temperature of the thermostat or of the start.
+std::optional<Event> lasting_contacts(EngineSettings const& settings, State const& state);
+
+/// Throws Error for disks that would fall without end, ever faster, or that fall through far more than a million
+/// diameters in a time step.
 void require_floor(EngineSettings const& settings, State const& state);
 
 }  // namespace gridlock

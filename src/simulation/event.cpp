@@ -15,13 +15,14 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 41> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 42> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
                                                       "thermostat",
                                                       "losing_energy",
+                                                      "lasting_contacts",
                                                       "propulsion",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
@@ -167,9 +168,13 @@ std::string text_of_setup(Event const& event) {
     case EventKind::losing_energy:
       return fmt::format(
           "collisions with a restitution of {:.6g} can come without end in a finite time, the inelastic collapse, "
-          "which "
-          "ends a run; collisions.contact_time, far shorter than the time between collisions, is a remedy",
+          "which ends a run; collisions.contact_time, far shorter than the time between collisions, is a remedy",
           of.number("restitution"));
+    case EventKind::lasting_contacts:
+      return fmt::format(
+          "about {:.2g} % of the collisions lose no energy, for a disk collides once in {:.3g} at the "
+          "start; a shorter collisions.contact_time makes them fewer",
+          of.number("percent"), of.number("mean_free_time"));
     case EventKind::propulsion:
       return text_of_propulsion(of);
     case EventKind::fast_on_ranks:

@@ -9,8 +9,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <ostream>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,10 @@ struct Variant {
   std::size_t ranks = 1;
 };
 
+/// Returns the variants of an engine, the plain one first. What else is in the list does not depend on instructions,
+/// so that one other number of threads is enough where those of another processor are asked for.
 std::vector<Variant> variants_of(std::string const& engine) {
+  if (std::getenv("GRIDLOCK_TARGET") != nullptr) return {{.threads = 1}, {.threads = 3}};
   if (engine == "tiled") {
     return {{.threads = 1}, {.threads = 2}, {.threads = 3}, {.threads = 8}, {.threads = 1, .ranks = 3}};
   }
@@ -86,7 +91,7 @@ TEST_P(Golden, GivesTheBitsOfTheTable) {
   Row const row = GetParam();
   std::vector<Variant> const variants = variants_of(row.engine);
   Hashes const now = run(row.scene, row.engine, variants.front());
-  for (Variant const& variant : variants) {
+  for (Variant const& variant : std::span(variants).subspan(1)) {
     EXPECT_EQ(run(row.scene, row.engine, variant).end, now.end)
         << variant.threads << " threads, " << variant.ranks << " ranks, grid " << static_cast<int>(variant.grid);
   }

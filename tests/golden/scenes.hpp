@@ -68,7 +68,7 @@ inline std::vector<Scene> scenes() {
   };
 }
 
-/// Scenes in boxes that are periodic along one axis.
+/// Scenes in boxes that are periodic along one axis; in one of them with walls inside the box.
 inline std::vector<Scene> scenes_of_channels() {
   Box const channel(1.4, 0.9, Edge::periodic, Edge::wall);
   return {
@@ -84,6 +84,14 @@ inline std::vector<Scene> scenes_of_channels() {
        .box = channel,
        .disks = {.count = 10'000, .packing_fraction = 0.6, .start = StartKind::triangular},
        .time = 0.05},
+      // Disks flow through a gap into the other half, and through the edge.
+      {.name = "partition",
+       .box = channel,
+       .disks = {.count = 400, .packing_fraction = 0.4, .start = StartKind::triangular, .region = {0.1, 0.0, 0.7, 0.9}},
+       .engine = {.walls = {{.from = {0.7, 0.0}, .to = {0.7, 0.4}},
+                            {.from = {0.7, 0.5}, .to = {0.7, 0.9}},
+                            {.from = {0.0, 0.3}, .to = {0.1, 0.6}},
+                            {.from = {1.0, 0.2}, .to = {1.2, 0.2}}}}},
       {.name = "upright_channel",
        .box = Box(0.9, 1.4, Edge::wall, Edge::periodic),
        .disks = {.count = 6'000, .packing_fraction = 0.5, .start = StartKind::triangular},

@@ -147,7 +147,6 @@ struct EngineRecord {
   bool uses_threads = false;
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
   bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
-  bool uses_walls = false;                    ///< whether it uses EngineSettings::walls
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint
@@ -161,17 +160,17 @@ struct EngineRecord {
   std::unique_ptr<Engine> (*make)(EngineSettings const& settings, State const& state) = nullptr;
 };
 
+/// Returns the memory of kicks and headings that an engine of free flight keeps, in bytes for each disk.
+double bytes_per_kicked_disk(EngineSettings const& settings);
+
 /// Returns the records of all engines.
 std::span<EngineRecord const> engine_records();
 
 /// Returns the record of the engine named `kind`. Errors: Error for the setting "engine.kind" if there is none.
 EngineRecord const& engine_record(std::string_view kind);
 
-/// Errors: Error for a thermostat, a loss of energy, gravity or walls that the engine does not know.
+/// Errors: Error for a thermostat, a loss of energy, gravity or self-propulsion that the engine does not know.
 void require_known(EngineRecord const& engine, EngineSettings const& settings);
-
-/// Errors: Error under "propulsion.speed" where disks of the engine cannot propel themselves with these settings.
-void require_propulsion(EngineRecord const& engine, EngineSettings const& settings);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error with the setting for an unknown kind, or for a set-up that the engine cannot advance correctly.

@@ -30,6 +30,7 @@ enum class EventKind {
   nothing_moves,        ///< no disk has a velocity
   thermostat,           ///< the diffusion of a free disk by the thermostat, and its error
   losing_energy,        ///< collisions lose energy, and no contact lasts
+  lasting_contacts,     ///< contacts last so long that many collisions lose no energy
   propulsion,           ///< how far self-propelled disks go, and the error of a step or an interval
   fast_on_ranks,        ///< disks are so fast that processes often wait for one another
   start_not_tried,      ///< the start would take long and was left out

@@ -221,7 +221,8 @@ TurnRule rule_of(EngineSettings const& settings, State const& own, DisksOverview
           .substeps = settings.substeps,
           .contact = settings.contact,
           .radii = all.radii,
-          .heading = heading_rule(settings.propulsion, duration, own.seed)};
+          .heading = heading_rule(settings.propulsion, duration, own.seed),
+          .walls = walls_of(settings.walls, own.box, all.radii.largest)};
 }
 
 }  // namespace

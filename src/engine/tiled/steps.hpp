@@ -27,6 +27,7 @@ struct TurnRule {
   CollisionRule contact;
   RadiusRange radii;
   HeadingRule heading = {};
+  Obstacles walls = {};  ///< walls inside the box
 };
 
 /// A disk that could jump over another in a sub-step.

@@ -49,6 +49,11 @@ const DISKS: Readonly<Record<string, string>> = {
     'disks.count = 200\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nvelocities.kind = "maxwell"\nrun.time = 1\n' +
     "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]",
   channel_crowd: CHANNEL + 'disks.count = 10_000\ndisks.packing_fraction = 0.6\ndisks.start = "triangular"\nrun.time = 0.05',
+  partition:
+    CHANNEL +
+    'disks.count = 400\ndisks.packing_fraction = 0.4\ndisks.start = "triangular"\ndisks.region = [0.1, 0, 0.7, 0.9]\nrun.time = 1\n' +
+    "walls = [{ from = [0.7, 0], to = [0.7, 0.4] }, { from = [0.7, 0.5], to = [0.7, 0.9] },\n" +
+    "{ from = [0, 0.3], to = [0.1, 0.6] }, { from = [1, 0.2], to = [1.2, 0.2] }]",
   upright_channel:
     PERIODIC +
     'box.edge_x = "wall"\nbox.width = 0.9\nbox.height = 1.4\n' +

@@ -26,6 +26,7 @@ class CountersOfStep {
  private:
   Counters whole_numbers_;  ///< the counts of the step; its floating-point sums stay 0
   ExactSum pair_virial_;
+  ExactSum inner_wall_impulse_;
   std::array<ExactSum, 4> wall_impulse_;
 };
 
