@@ -144,7 +144,7 @@ class FrameContacts(NamedTuple):
         return f"<gridlock.FrameContacts: {len(self.ids)} contacts at step {self.clock.step}>"
 
 
-def _frame(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
+def frame_of_values(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
     ids, columns, box, step, time = values
     names = {name: names for name, names in (value_names or {}).items() if name in columns}
     return Frame(box_of(box), Clock(step, time), ids, columns, names)
@@ -156,7 +156,7 @@ def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame
     :param frame: of a file with several, from 0, or from -1 for the last.
     :raises Error: with line and column for anything damaged, and for a file of several frames where none is chosen.
     """
-    found = _frame(_core.read_xyz(os.fspath(path), frame))
+    found = frame_of_values(_core.read_xyz(os.fspath(path), frame))
     if (_core.recognize_format(os.fspath(path)) or ("",))[0] == "hdf5":
         _warn_of_left_out(_core.Trajectory(os.fspath(path)))
     return found
@@ -208,7 +208,7 @@ class Trajectory:
             return part
         if not -len(self) <= operator.index(k) < len(self):
             raise IndexError(f"there is no frame {k} among {len(self)}")
-        return _frame(self._core.frame(self._frames[k]), self._core.value_names())
+        return frame_of_values(self._core.frame(self._frames[k]), self._core.value_names())
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[k] for k in range(len(self)))
@@ -363,7 +363,7 @@ class RunDirectory:
     def final(self) -> Frame:
         """The last state."""
         names = self.summary.get("value_names", {}) if (self.path / "summary.json").exists() else {}
-        return _frame(_core.read_xyz(str(self.path / "final.xyz"), None), names)
+        return frame_of_values(_core.read_xyz(str(self.path / "final.xyz"), None), names)
 
     @property
     def diameter(self) -> float:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped]
     from numpy.typing import NDArray
 
+    from .files import Frame
+
 
 class Clock(NamedTuple):
     """Whole steps taken, and physical time."""
@@ -280,6 +282,19 @@ class Simulation:
     def agents(self) -> Agents:
         """The agents as arrays."""
         return Agents(self)
+
+    @property
+    def frame(self) -> Frame:
+        """A copy of all agents as they are now, in the order of their Ids; self-propelled disks have ``heading_x`` and ``heading_y``.
+
+        >>> swimmers = Simulation(disks={"count": 4, "packing_fraction": 0.1}, propulsion={"speed": 1.0})
+        >>> swimmers.frame.heading_x.shape
+        (4,)
+        """
+        from .files import frame_of_values
+
+        names = {name: self._core.value_names(name) for name in self.agents.names}
+        return frame_of_values(self._core.frame(), names)
 
     @property
     def box(self) -> Box:

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <tuple>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/frame.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 #include "gridlock/io/table.hpp"
 
@@ -27,6 +29,10 @@ using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
 using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 /// Width, height, and whether the box is periodic along x and along y.
 using BoxValues = std::tuple<double, double, bool, bool>;
+
+/// Ids, columns, box, step and time of a frame.
+using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double>;
+FrameValuesOfPython values_of_frame(Frame frame);
 
 inline PointsInMemory view_of(Points const& points) {
   return {.x = points.data(), .y = points.data() + 1, .count = points.shape(0), .stride = 2};

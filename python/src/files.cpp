@@ -36,6 +36,16 @@
 
 namespace gridlock::python {
 
+FrameValuesOfPython values_of_frame(Frame frame) {
+  NamedValues columns;
+  for (FrameColumn& column : frame.columns) {
+    columns[column.name.c_str()] =
+        std::visit([](auto& values) { return nb::cast(owned_array(std::move(values))); }, column.values);
+  }
+  return {nb::cast(owned_array(std::move(frame.ids))), columns, box_values(frame.box), frame.clock.step,
+          frame.clock.time};
+}
+
 namespace {
 
 /// Returns the status of a run. Errors: RunFailure if the run failed.
@@ -130,19 +140,6 @@ SweepValues collect_directory(std::string const& directory) {
   return values_of(result);
 }
 
-/// Ids, columns, box, step and time of a frame.
-using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double>;
-
-FrameValuesOfPython values_of(Frame frame) {
-  NamedValues columns;
-  for (FrameColumn& column : frame.columns) {
-    columns[column.name.c_str()] =
-        std::visit([](auto& values) { return nb::cast(owned_array(std::move(values))); }, column.values);
-  }
-  return {nb::cast(owned_array(std::move(frame.ids))), columns, box_values(frame.box), frame.clock.step,
-          frame.clock.time};
-}
-
 /// Converts real numbers that are all whole to integers, since XYZ does not mark whole numbers such as kinds.
 FrameColumn of_own_type(FrameColumn column) {
   auto const& values = std::get<std::vector<double>>(column.values);
@@ -171,7 +168,7 @@ FrameValuesOfPython read_xyz_frame(std::string const& path, std::optional<std::i
     nb::gil_scoped_release const released;
     frame.emplace(frame_of(read_xyz(path, number)));
   }
-  return values_of(std::move(*frame));
+  return values_of_frame(std::move(*frame));
 }
 
 /// An open trajectory.
@@ -198,7 +195,7 @@ class PythonTrajectory {
       nb::gil_scoped_release const released;
       frame.emplace(reader_.frame(k));
     }
-    return values_of(std::move(frame->frame));
+    return values_of_frame(std::move(frame->frame));
   }
   [[nodiscard]] std::map<std::string, std::vector<std::string>> value_names() const {
     return reader_.settings().value_names;

@@ -280,6 +280,13 @@ class PythonSimulation {
     return counts;
   }
   [[nodiscard]] std::vector<std::string> const& inputs() const { return inputs_; }
+  FrameValuesOfPython frame() {
+    Use const use(*this);
+    check_changes();
+    Frame frame;
+    simulation().give_frame([&](FrameSource const& source) { frame = source.whole(); });
+    return values_of_frame(std::move(frame));
+  }
   void write_state(std::string const& path) {
     Use const use(*this);
     check_changes();
@@ -396,6 +403,7 @@ void bind_simulation(nb::module_& module) {
       .def("distributions", &PythonSimulation::distributions)
       .def("counts", &PythonSimulation::counts)
       .def("inputs", &PythonSimulation::inputs)
+      .def("frame", &PythonSimulation::frame)
       .def("write_state", &PythonSimulation::write_state);
   module.def("explain", &explain_setting);
   module.def("setting_keys", &keys_of_settings);

@@ -231,6 +231,23 @@ def test_columns_that_do_not_exist_and_shapes_that_do_not_fit_are_refused():
         simulation.agents.ids[0] = 3
 
 
+def test_frames_have_the_headings_of_swimmers_and_stay_as_they_were():
+    disks = {"count": 50, "packing_fraction": 0.3}
+    propulsion = {"speed": 0.5, "rotational_diffusion": 2.0}
+    tiled = gridlock.Simulation(engine={"kind": "tiled"}, disks=disks, propulsion=propulsion)
+    tiled.run(steps=20)
+    frame = tiled.frame
+    assert frame.clock == tiled.clock and frame.box == tiled.box and (frame.ids == tiled.agents.ids).all()
+    assert np.allclose(0.5 * frame.heading_x, tiled.agents.velocity_x) and np.allclose(0.5 * frame.heading_y, tiled.agents.velocity_y)
+    before = frame.x.copy()
+    tiled.run(steps=20)
+    assert (frame.x == before).all() and not (tiled.agents.x == before).all()
+    exact = gridlock.Simulation(engine={"kind": "exact"}, disks=disks, propulsion=propulsion, thermostat={"kind": "brownian"})
+    exact.run(steps=20)
+    assert np.allclose(np.hypot(exact.frame.heading_x, exact.frame.heading_y), 1.0)
+    assert "heading_x" not in gridlock.Simulation(disks=disks).frame.columns
+
+
 def test_series_and_results():
     simulation = gridlock.Simulation(SMALL)
     simulation.equilibrate(steps=100)

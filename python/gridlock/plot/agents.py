@@ -31,9 +31,7 @@ UNKNOWN = "#bfbfbf"
 def frame_of(agents: Any) -> Frame:
     """The agents of a simulation, of the end of a run directory or a trajectory, or those of a frame."""
     if isinstance(agents, Simulation):
-        columns = {name: np.array(agents.agents[name]) for name in agents.agents.names}
-        names = {name: agents._core.value_names(name) for name in columns}
-        return Frame(agents.box, agents.clock, np.array(agents.agents.ids), columns, names)
+        return agents.frame
     if isinstance(agents, RunDirectory):
         return agents.final
     if isinstance(agents, Trajectory):

@@ -58,8 +58,8 @@ double zero_between(Polynomial const& f, double positive, double negative) {
   return positive;
 }
 
-/// Returns a point from `from` on, in steps that double, at which f is no longer negative, or with a step to the left no
-/// longer positive. Contract: f grows without limit to the right, and falls without limit to the left.
+/// Returns a point from `from` on, in steps that double, at which f is no longer negative, or with a step to the left
+/// no longer positive. Contract: f grows without limit to the right, and falls without limit to the left.
 double point_beyond(Polynomial const& f, double from, double step) {
   double point = from + step;
   while (step > 0.0 ? f.at(point) < 0.0 : f.at(point) > 0.0) {
