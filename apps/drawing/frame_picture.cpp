@@ -67,6 +67,7 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
   std::vector<Vector> headings;
   if (frame.find("radius") != nullptr && frame.find("heading_x") != nullptr) headings = headings_of(frame);
   picture.headings = headings;
+  picture.walls = walls_;
   std::vector<double> values;
   if (has_bar()) {
     values = colour_values(first_, frame, colour_);

@@ -24,6 +24,9 @@ class FramePainter {
   /// Sets the names of the values 0, 1, 2 … of the colour's column, for columns of kinds.
   void name_kinds(std::vector<std::string> names) { kind_names_ = std::move(names); }
 
+  /// Draws these walls inside the box, which no frame has.
+  void show_walls(std::vector<WallSettings> walls) { walls_ = std::move(walls); }
+
   /// Returns whether colours represent numbers, which need a colour bar.
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
   /// Extends the range of the colour bar to the values of a frame with the columns of the first frame.
@@ -43,6 +46,7 @@ class FramePainter {
   Frame first_;
   std::string colour_;
   std::vector<std::string> kind_names_;
+  std::vector<WallSettings> walls_;
   double mark_;  ///< radius of the mark for agents without a radius
   double least_ = 0.0;
   double most_ = 0.0;

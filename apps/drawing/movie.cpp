@@ -15,6 +15,8 @@
 #include "drawing/frame_picture.hpp"
 #include "drawing/process.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/simulation/configuration.hpp"
 #include "io/file.hpp"
 #include "workspace/result_files.hpp"
 
@@ -149,6 +151,21 @@ class Encoder {
   ChildProcess process_;
 };
 
+/// Returns the walls inside the box by the settings that a trajectory keeps; none by settings that this version cannot
+/// read, for its disks can be drawn all the same.
+std::vector<WallSettings> walls_of(H5mdReader const& trajectory) {
+  std::vector<WallSettings> walls;
+  try {
+    SettingsFile const file = SettingsFile::from_text(trajectory.settings().configuration, "the trajectory");
+    if (file.is_given("walls")) walls = read_configuration(file).engine.walls;
+  } catch (Error const&) {
+    return {};
+  }
+  // No run has others, but a file may be damaged.
+  std::erase_if(walls, [](WallSettings const& wall) { return wall.from.size() != 2 || wall.to.size() != 2; });
+  return walls;
+}
+
 /// Makes a movie of a trajectory.
 class Movie {
  public:
@@ -158,6 +175,7 @@ class Movie {
         on_progress_(on_progress),
         all_((trajectory.frame_count() + settings.every - 1) / settings.every),
         painter_(trajectory.frame(0).frame, settings.colour) {
+    painter_.show_walls(walls_of(trajectory));
     auto const& named = trajectory.settings().value_names;
     if (auto const names = named.find(painter_.colour()); names != named.end()) painter_.name_kinds(names->second);
   }

@@ -35,7 +35,7 @@ struct MovieProgress {
 using OnMovieProgress = std::function<bool(MovieProgress const&)>;
 
 /// Draws every frame of a trajectory and encodes them by the program ffmpeg, with the same colour bar in all frames.
-/// Agents without a radius get a round mark.
+/// Agents without a radius get a round mark. Walls inside the box are those of the settings that the trajectory keeps.
 ///
 /// The file appears when the movie is complete; a stopped or failed movie leaves no file. Returns whether the movie is
 /// finished or interrupted. Errors: Error before drawing for an invalid file name or directory, an invalid colour, a

@@ -265,6 +265,7 @@ class Picture {
 
   void draw_frame(Canvas& canvas) const {
     draw_grid(canvas);
+    draw_inner_walls(canvas);
     // The line lies outside the box, so that a disk at a wall visibly touches the line without an overlap.
     if (state_.box.edge_x() == state_.box.edge_y()) {
       Stroke const stroke = stroke_of(state_.box.is_periodic());
@@ -332,6 +333,14 @@ class Picture {
     for (std::uint64_t r = 1; r < settings_.rows; ++r) {
       double const y = b.y + b.height * static_cast<double>(r) / rows;
       canvas.line({b.x, y}, {b.x + b.width, y}, stroke);
+    }
+  }
+
+  /// Draws walls that disks meet on both sides, thinner than those of the box, so that a disk visibly touches them.
+  void draw_inner_walls(Canvas& canvas) const {
+    Stroke const stroke{.colour = ink, .width = 2.4 * at_.unit};
+    for (WallSettings const& wall : settings_.walls) {
+      canvas.line(to_pixels({wall.from[0], wall.from[1]}), to_pixels({wall.to[0], wall.to[1]}), stroke);
     }
   }
 

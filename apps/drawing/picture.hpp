@@ -9,6 +9,7 @@
 
 #include "drawing/canvas.hpp"
 #include "gridlock/core/disks.hpp"
+#include "gridlock/engine/grains.hpp"
 
 namespace gridlock {
 
@@ -32,6 +33,7 @@ struct PictureSettings {
   std::span<double const> values;    ///< values, directions, kinds: one for each row of state.agents; disks without a
                                      ///< finite value are grey
   std::span<Vector const> headings;  ///< one for each row, shown as a dot near the rim; empty: none
+  std::span<WallSettings const> walls;  ///< inside the box
   std::optional<double> min;  ///< lower end of the colour bar; default: the smallest value, or 0 if none is negative
   std::optional<double> max;  ///< upper end of the bar, or last listed kind; default: the largest value
   std::string bar_label;      ///< label of the colour bar
@@ -39,8 +41,8 @@ struct PictureSettings {
   std::string title;                    ///< one line of plain text above the box; empty: none
 };
 
-/// Draws the box and all disks. In a periodic box a disk at an edge appears on both sides. Walls are thick lines,
-/// periodic edges dashed lines. The height follows from the shape of the box.
+/// Draws the box with the walls inside it, and all disks. In a periodic box a disk at an edge appears on both sides.
+/// Walls are thick lines, periodic edges dashed lines. The height follows from the shape of the box.
 ///
 /// Disks with positions that are not finite are left out, so that a broken state can be drawn too.
 /// Errors: Error for a width outside 16 … 16,384 pixels, or if the numbers of values and disks differ.

@@ -46,6 +46,17 @@ class StandIn {
   std::string old_;
 };
 
+/// Returns the frames that ffmpeg is given by a movie of one frame with these settings.
+std::string movie_of(std::string const& configuration) {
+  TemporaryDirectory const directory;
+  Frame const frame = warm_at(0, 1.0);
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", {.configuration = configuration}, frame);
+  writer.write({.frame = frame, .observables = {}, .state_hash = 0});
+  StandIn const ffmpeg(directory.path(), "ffmpeg", "cat > \"$0.frames\"\n");
+  make_movie(H5mdReader(directory / "t.h5"), {.file = directory / "warm.mp4", .colour = "warmth", .width = 200});
+  return read_file(directory / "ffmpeg.frames");
+}
+
 TEST(Movie, HasOneBarInAllFramesThatReachesOverTheValuesOfAll) {
   TemporaryDirectory const directory;
   std::vector<Frame> const frames{warm_at(0, 0.0), warm_at(1, 4.0), warm_at(2, 1.0)};
@@ -63,6 +74,20 @@ TEST(Movie, HasOneBarInAllFramesThatReachesOverTheValuesOfAll) {
     expected += painter.pixels(frames[static_cast<std::size_t>(title[5] - '0')], 200, title).bytes;
   }
   EXPECT_TRUE(read_file(directory / "ffmpeg.frames") == expected);
+}
+
+TEST(Movie, HasTheWallsOfItsSettingsWhereTheyCanBeRead) {
+  FramePainter painter(warm_at(0, 1.0), "warmth");
+  painter.widen_bar(warm_at(0, 1.0));
+  std::string const without = painter.pixels(warm_at(0, 1.0), 200, "step 0, t = 0").bytes;
+  painter.show_walls({{.from = {0.25, 0.5}, .to = {0.75, 1.0}}});
+  std::string const with = painter.pixels(warm_at(0, 1.0), 200, "step 0, t = 0").bytes;
+  ASSERT_TRUE(with != without);
+  EXPECT_TRUE(movie_of("walls = [{ from = [0.25, 0.5], to = [0.75, 1.0] }]\n") == with);
+  for (char const* settings : {"", "run.seed = 2", "walls = []", "walls = [{ from = [0.25], to = [] }]", "walls = [[",
+                               "walls = []\nof.the.future = 1"}) {
+    EXPECT_TRUE(movie_of(settings) == without) << settings;
+  }
 }
 
 }  // namespace

@@ -244,8 +244,23 @@ TEST(Picture, LeavesOutDisksThatAreNowhere) {
 
 TEST(Picture, DrawsTheGridOnlyWhereItsCellsCanBeSeen) {
   State const state = one_disk_per_cell(Edge::wall, 2, 2);
-  EXPECT_EQ(drawn(state, {.columns = 10, .rows = 7}).lines, 9U + 6U);
-  EXPECT_EQ(drawn(state, {.width = 720, .columns = 100'000, .rows = 100'000}).lines, 0U);
+  EXPECT_EQ(drawn(state, {.columns = 10, .rows = 7}).lines.size(), 9U + 6U);
+  EXPECT_EQ(drawn(state, {.width = 720, .columns = 100'000, .rows = 100'000}).lines.size(), 0U);
+}
+
+TEST(Picture, HasTheWallsInsideTheBoxWhereTheirDisksTouchThem) {
+  // A disk at each end of each wall, of which one is upright.
+  State state;
+  state.box = Box(2.0, 1.0, Edge::wall);
+  for (auto const& [x, y] : {std::pair{0.2, 0.9}, {1.5, 0.3}, {1.9, 0.0}, {1.9, 0.8}})
+    state.agents.add(x, y, 0, 0, 0.01, 1, 0, 0);
+  std::vector<WallSettings> const walls{{.from = {0.2, 0.9}, .to = {1.5, 0.3}}, {.from = {1.9, 0.0}, .to = {1.9, 0.8}}};
+  RecordingCanvas const canvas = drawn(state, {.walls = walls});
+  ASSERT_EQ(canvas.lines.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(canvas.lines[k].from, canvas.circles[2 * k].centre);
+    EXPECT_EQ(canvas.lines[k].to, canvas.circles[2 * k + 1].centre);
+  }
 }
 
 TEST(Picture, KeepsATitleOfAnyCharacters) {

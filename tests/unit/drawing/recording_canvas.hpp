@@ -21,6 +21,11 @@ class RecordingCanvas final : public Canvas {
     std::string colour;
   };
 
+  struct Line {
+    Vector from;
+    Vector to;
+  };
+
   /// "#rrggbb".
   static std::string hex(Colour colour) {
     constexpr char const* digits = "0123456789abcdef";
@@ -34,7 +39,7 @@ class RecordingCanvas final : public Canvas {
 
   void fill(PixelRectangle const& rectangle, Colour colour) override { filled.push_back({rectangle, hex(colour)}); }
   void outline(PixelRectangle const& /*rectangle*/, Stroke const& /*stroke*/) override {}
-  void line(Vector /*from*/, Vector /*to*/, Stroke const& /*stroke*/) override { ++lines; }
+  void line(Vector from, Vector to, Stroke const& /*stroke*/) override { lines.push_back({from, to}); }
   void text(Vector /*at*/, std::string_view text, Lettering const& /*lettering*/) override { texts.emplace_back(text); }
   void begin_clip(PixelRectangle const& /*rectangle*/) override {}
   void end_clip() override {}
@@ -51,7 +56,7 @@ class RecordingCanvas final : public Canvas {
   std::vector<Circle> circles;
   std::vector<Rectangle> filled;
   std::vector<std::string> texts;
-  std::size_t lines = 0;
+  std::vector<Line> lines;
 };
 
 }  // namespace gridlock
