@@ -219,6 +219,11 @@ class Trajectory:
         return self[int(np.searchsorted(self.steps, np.uint64(first))) :]
 
     @property
+    def settings(self) -> dict[str, Any]:
+        """All settings of the run that wrote it; none in a file of another program."""
+        return settings_in(self._core.configuration())
+
+    @property
     def steps(self) -> NDArray[np.uint64]:
         """Of each frame, shape (frames,)."""
         steps: NDArray[np.uint64] = self._core.steps()[self._frames.start : self._frames.stop : self._frames.step]
@@ -318,7 +323,7 @@ class RunDirectory:
     @property
     def settings(self) -> dict[str, Any]:
         """All settings of the run. Needs Python 3.11 or the package tomli."""
-        return _toml(self.path / "config.resolved.toml")
+        return settings_in((self.path / "config.resolved.toml").read_text(encoding="utf-8"))
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -400,10 +405,10 @@ def open(path: str | os.PathLike[str]) -> RunDirectory | Any:
     raise Error(f"{path} holds neither a run nor a sweep\n  hint: name a directory that Gridlock has written")
 
 
-def _toml(path: pathlib.Path) -> dict[str, Any]:
+def settings_in(text: str) -> dict[str, Any]:
+    """A text in TOML as tables of settings."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
         import tomli as tomllib
-    with path.open("rb") as file:
-        return tomllib.load(file)
+    return tomllib.loads(text)

@@ -37,6 +37,7 @@ class Frames(Protocol):
     def frame(self, k: int) -> Any: ...
     def contacts(self) -> Any: ...
     def value_names(self) -> dict[str, list[str]]: ...
+    def configuration(self) -> str: ...
     def note_on_left_out(self) -> str: ...
 
 
@@ -111,7 +112,7 @@ def _expect_rectangle(tilt: float, where: str) -> None:
 
 
 class OtherFrames:
-    """The frames of a file that knows neither contacts nor names of values."""
+    """The frames of a file that knows neither contacts nor names of values nor settings."""
 
     _steps: list[int]
     _times: list[float]
@@ -134,6 +135,9 @@ class OtherFrames:
 
     def value_names(self) -> dict[str, list[str]]:
         return {}
+
+    def configuration(self) -> str:
+        return ""
 
     def note_on_left_out(self) -> str:
         return ""

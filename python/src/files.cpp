@@ -200,6 +200,7 @@ class PythonTrajectory {
   [[nodiscard]] std::map<std::string, std::vector<std::string>> value_names() const {
     return reader_.settings().value_names;
   }
+  [[nodiscard]] std::string const& configuration() const { return reader_.settings().configuration; }
   /// Returns step, time, Ids of shape (contacts, 2) and forces of the contacts; None if the file has no contacts.
   [[nodiscard]] auto contacts() const {
     std::optional<FrameContacts> found;
@@ -289,6 +290,7 @@ void bind_files(nb::module_& module) {
       .def("times", &PythonTrajectory::times)
       .def("frame", &PythonTrajectory::frame, nb::arg("k"))
       .def("value_names", &PythonTrajectory::value_names)
+      .def("configuration", &PythonTrajectory::configuration)
       .def("contacts", &PythonTrajectory::contacts);
   nb::class_<PythonDirectory>(module, "Directory")
       .def(nb::init<std::string const&, std::vector<std::string> const&, bool>(), nb::arg("directory"),

@@ -137,6 +137,23 @@ def test_colours_by_name_are_what_they_say(simulation):
     assert order.mean() == pytest.approx(measured.series["local_bond_orientation_order"][-1], rel=1e-9)
 
 
+def test_walls_inside_the_box_are_drawn_where_the_settings_are_known(tmp_path):
+    settings = {"box.edge": "wall", "disks": {"count": 9, "packing_fraction": 0.1}, "engine.kind": "exact", "trajectory.every": 5,
+                "walls": [{"from": [0.0, 0.5], "to": [0.05, 0.5]}], "run.steps": 5}
+    gridlock.run(settings, tmp_path / "run")
+    made = gridlock.open(tmp_path / "run")
+
+    def walls_in(agents, **more):
+        return [line.get_xydata().tolist() for line in gridlock.plot.snapshot(agents, **more).lines]
+
+    expected = [[[0.0, 0.5], [0.05, 0.5]]]
+    for agents in (gridlock.Simulation(settings), made, made.trajectory):
+        assert walls_in(agents) == expected
+    assert walls_in(made.final) == []
+    assert walls_in(made.final, walls=made.settings["walls"]) == expected
+    assert walls_in(made, walls=()) == []
+
+
 def test_the_lines_of_a_grid_are_those_of_its_columns_and_rows():
     axes = gridlock.plot.snapshot(frame([1.0], [0.5], radius=[0.1]), grid=(5, 2))
     upright, level = ([[point.tolist() for point in line] for line in lines.get_segments()] for lines in axes.collections[-2:])

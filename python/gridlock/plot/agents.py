@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Rectangle
 from ..analysis import bond_orientation
 from ..arrays import as_array, as_numbers
 from ..errors import Error
-from ..files import Frame, RunDirectory, Trajectory
+from ..files import Frame, RunDirectory, Trajectory, settings_in
 from ..simulation import Simulation
 from .disks import Disks
 from .style import COLOURS, INK, axis_label, colour_circle, new_axes
@@ -40,6 +40,13 @@ def frame_of(agents: Any) -> Frame:
     if isinstance(agents, Frame):
         return agents
     raise Error(f"a {type(agents).__name__} has no agents to draw\n  hint: give a Simulation, a Frame, a RunDirectory or a Trajectory")
+
+
+def _walls_of(agents: Any) -> Any:
+    """The setting ``walls``, where the settings are known."""
+    if isinstance(agents, Simulation):
+        return settings_in(agents.settings).get("walls", ())
+    return agents.settings.get("walls", ()) if isinstance(agents, (RunDirectory, Trajectory)) else ()
 
 
 def colours_of(frame: Frame) -> list[str]:
@@ -214,7 +221,7 @@ def _border(periodic: bool) -> dict[str, Any]:
     return {"linestyle": (0, (4, 3)), "linewidth": 0.6} if periodic else {"linestyle": "-", "linewidth": 1.4}
 
 
-def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None) -> None:
+def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None, walls: Any = ()) -> None:
     box = frame.box
     if grid is not None:
         style = {"color": INK, "linewidth": 0.4, "alpha": 0.7}
@@ -227,6 +234,8 @@ def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None) -> None:
             axes.plot([x, x], [0, box.height], color=INK, clip_on=False, **_border(box.periodic_x))
         for y in (0, box.height):
             axes.plot([0, box.width], [y, y], color=INK, clip_on=False, **_border(box.periodic_y))
+    for wall in walls:
+        axes.plot(*zip(wall["from"], wall["to"]), color=INK, linewidth=1.0, solid_capstyle="butt")
     axes.set(xlim=(0, box.width), ylim=(0, box.height), aspect="equal")
     axes.axis("off")
 
@@ -255,6 +264,7 @@ def snapshot(
     limits: tuple[float, float] | None = None,
     names: Sequence[str] = (),
     grid: tuple[int, int] | None = None,
+    walls: Sequence[Mapping[str, Sequence[float]]] | None = None,
     axes: Axes | None = None,
 ) -> Axes:
     """The agents in their box, disks at their true size, round marks where they have no radius.
@@ -267,6 +277,7 @@ def snapshot(
     :param limits: the ends of the bar, the lower one first.
     :param names: of the kinds 0, 1, 2 …, where the colour is a column of them; those of the model where left out.
     :param grid: cells along both axes of a grid that is drawn over the agents, which are coloured by their cells without ``colour``.
+    :param walls: inside the box, as the setting ``walls`` has them; left out, those of the run, which a frame alone does not know.
 
     Cost: about 2 µs an agent. Above 10,000 agents they are an image also in PDF and SVG files.
 
@@ -295,5 +306,5 @@ def snapshot(
         _colour_by_radius(axes, disks, radii, rows)
     if "radius" in frame.columns and "heading_x" in frame.columns:
         _draw_headings(axes, frame, places, radii, rows)
-    _draw_box(axes, frame, grid)
+    _draw_box(axes, frame, grid, _walls_of(agents) if walls is None else walls)
     return axes

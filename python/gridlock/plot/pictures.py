@@ -103,7 +103,7 @@ def _state_title(run: RunDirectory, frame: Frame) -> str:
 
 def _draw_last(artist: _Artist, run: RunDirectory, frame: Frame, colour: str) -> None:
     def draw(axes: Any) -> None:
-        snapshot(frame, colour, axes=axes)
+        snapshot(frame, colour, walls=run.settings.get("walls"), axes=axes)
         axes.set_title(_state_title(run, frame))
 
     artist.agents("final", frame.box, draw, has_side=colour not in ("neighbourhood", "radius"))
@@ -128,7 +128,7 @@ def _start_of_steps(run: RunDirectory, start: Frame) -> Frame | None:
     return first if all(image in first.columns for image in crossed) else None
 
 
-def _draw_displacements(artist: _Artist, start: Frame, last: Frame) -> None:
+def _draw_displacements(artist: _Artist, start: Frame, last: Frame, walls: Any) -> None:
     """The disks at the end, coloured by how far they have come, in sides of the box."""
     begin = np.searchsorted(start.ids, last.ids)
     is_known = np.isin(last.ids, start.ids)
@@ -137,18 +137,18 @@ def _draw_displacements(artist: _Artist, start: Frame, last: Frame) -> None:
     way[is_known] = np.hypot(*moved.T) / np.sqrt(last.box.area)
 
     def draw(axes: Any) -> None:
-        snapshot(last, way, label="displacement / side", axes=axes)
+        snapshot(last, way, label="displacement / side", walls=walls, axes=axes)
         axes.set_title(f"after {last.clock.step - start.clock.step} steps")
 
     artist.agents("final", last.box, draw, has_side=True)
 
 
-def _draw_start(artist: _Artist, start: Frame, cells: int, *, is_before_protocol: bool) -> None:
+def _draw_start(artist: _Artist, start: Frame, cells: int, walls: Any, *, is_before_protocol: bool) -> None:
     shows_grid = 0 < cells <= MOST_CELLS
     fraction = np.pi * (start.radius**2).sum() / start.box.area
 
     def draw(axes: Any) -> None:
-        snapshot(start, grid=(cells, cells) if shows_grid else None, axes=axes)
+        snapshot(start, grid=(cells, cells) if shows_grid else None, walls=walls, axes=axes)
         axes.set_title(f"start{' of the protocol' if is_before_protocol else ''}, φ = {fraction:.4g}")
 
     artist.agents("start", start.box, draw, has_side=not shows_grid and len(np.unique(start.radius)) > 1)
@@ -212,13 +212,14 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
     # Without steps after a protocol nothing was displaced in a run.
     has_steps = len(run.series) > 1
     if colour == "displacement" or (colour == "" and has_steps and first is not None):
-        _draw_displacements(artist, _require_start_of_steps(first, run), last)
+        _draw_displacements(artist, _require_start_of_steps(first, run), last, settings.get("walls"))
     elif not has_steps and _has(run.path, "contacts.csv") and colour in ("", "psi6", "coordination"):
         found = contacts(last.positions, last.radius, last.box, potential=settings["soft"]["potential"], stiffness=False)
         _draw_packing(artist, "final", found, colour, _state_title(run, last))
     else:
         _draw_last(artist, run, last, colour or "psi6")
-    _draw_start(artist, start, 0 if has_protocol else settings["engine"].get("cells", 0), is_before_protocol=has_protocol)
+    cells = 0 if has_protocol else settings["engine"].get("cells", 0)
+    _draw_start(artist, start, cells, settings.get("walls"), is_before_protocol=has_protocol)
     # The paper's mark of jamming, of its rule between its walls.
     is_as_in_paper = not start.box.periodic_x and not start.box.periodic_y and settings["engine"]["kind"] in ("stepped", "tiled")
     if has_steps:
