@@ -100,6 +100,7 @@ std::string FrameStore::describe(fs::path const& file, std::size_t first) {
   std::size_t const from = std::min(first, count);
   Json json{{"agents", trajectory.settings().agents},
             {"version", trajectory.settings().version},
+            {"configuration", trajectory.settings().configuration},
             {"columns", trajectory.column_names()},
             {"valueNames", trajectory.settings().value_names},
             {"frames", count},

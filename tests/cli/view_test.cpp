@@ -99,6 +99,7 @@ TEST_F(View, GivesFramesAsTheLibraryReadsThem) {
   Json const described = Json::parse(viewer.get("/data/runs/run/trajectory.json?from=1").body);
   EXPECT_EQ(described["valueNames"], Json::object()) << "disks have none";
   EXPECT_EQ(described["frames"], 4);
+  EXPECT_EQ(described["configuration"], trajectory.settings().configuration) << "which has the walls";
   EXPECT_EQ(described["steps"], Json::array({20, 40, 60}));
   for (std::size_t k = 0; k < trajectory.frame_count(); ++k) {
     gridlock::H5mdFrame const expected = trajectory.frame(k);

@@ -1,10 +1,11 @@
-/** What is drawn over the agents: the box, the grid, the block of a disk, selections, a ruler, the legend. */
+/** What is drawn over the agents: the box, the walls inside it, the grid, the block of a disk, selections, a ruler, the legend. */
 
 import type { Camera } from "./camera.ts";
 import type { Legend } from "./colouring.ts";
 import { periodicAxes, positionAt, radiusAt, type Box, type Frame, type Point } from "./frame.ts";
 import { toCss, type Colour } from "./palettes.ts";
 import { shortest } from "./picking.ts";
+import { INNER_WALL_WIDTH, type Wall } from "./walls.ts";
 
 export interface Cell {
   readonly column: number;
@@ -27,6 +28,8 @@ export interface Contacts {
 }
 
 export interface Overlay {
+  /** Those inside the box; the box has its own. */
+  readonly walls?: readonly Wall[];
   /** Lines from centre to centre, the thicker the stronger. */
   readonly contacts?: Contacts;
   /** The k × k grid: its columns and rows. */
@@ -84,6 +87,7 @@ export function drawOverlay(place: Place, overlay: Overlay, legend: Legend): voi
   if (overlay.grid !== undefined) drawGrid(place, overlay.grid);
   if (overlay.block !== undefined) drawBlock(place, overlay.block);
   drawBox(place);
+  if (overlay.walls !== undefined) drawWalls(place, overlay.walls);
   for (const row of overlay.selected ?? []) drawRing(place, row, 3, place.theme.accent, true);
   if (overlay.ruler !== undefined) drawRuler(place, overlay.ruler);
   context.restore();
@@ -129,6 +133,18 @@ function drawBox({ context, camera, frame, theme }: Place): void {
     context.stroke();
   }
   context.setLineDash([]);
+}
+
+function drawWalls({ context, camera, theme }: Place, walls: readonly Wall[]): void {
+  context.strokeStyle = toCss(theme.ink);
+  context.lineWidth = INNER_WALL_WIDTH;
+  context.beginPath();
+  for (const { from, to } of walls) {
+    const [start, end] = [camera.toPixels(from), camera.toPixels(to)];
+    context.moveTo(start.x, start.y);
+    context.lineTo(end.x, end.y);
+  }
+  context.stroke();
 }
 
 function drawGrid({ context, camera, frame, theme, width, height }: Place, grid: NonNullable<Overlay["grid"]>): void {

@@ -18,6 +18,7 @@ import {
   contactWidths,
 } from "./overlay.ts";
 import { toCss, UNKNOWN_VALUE } from "./palettes.ts";
+import { INNER_WALL_WIDTH } from "./walls.ts";
 
 export interface View {
   readonly frame: Frame;
@@ -129,6 +130,12 @@ function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
     written.push(
       `<path d="M${round(from.x)} ${round(from.y)}L${round(to.x)} ${round(to.y)}" fill="none" stroke="${ink}" ` +
         `stroke-width="${borderWidth(isPeriodic)}"${isPeriodic ? ' stroke-dasharray="6 4"' : ""}/>`,
+    );
+  }
+  for (const wall of overlay.walls ?? []) {
+    const [from, to] = [camera.toPixels(wall.from), camera.toPixels(wall.to)];
+    written.push(
+      `<path d="M${round(from.x)} ${round(from.y)}L${round(to.x)} ${round(to.y)}" fill="none" stroke="${ink}" stroke-width="${INNER_WALL_WIDTH}"/>`,
     );
   }
   const rings = [...(overlay.block?.near ?? []), ...(overlay.selected ?? [])].filter((row) => row < frame.count);

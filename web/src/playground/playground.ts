@@ -3,6 +3,7 @@ import { Series } from "../charts/series.ts";
 import { Drawing } from "../drawing/drawing.ts";
 import type { Frame } from "../drawing/frame.ts";
 import type { Contacts, Overlay } from "../drawing/overlay.ts";
+import { wallsIn, type Wall } from "../drawing/walls.ts";
 import { EngineRenewed, startEngine, type Engine, type EngineFrame, type SessionInfo } from "../engine/engine_client.ts";
 import { element, iconButton, select, setOptions, words } from "../page/dom.ts";
 import { menu } from "../page/menu.ts";
@@ -89,6 +90,7 @@ export class Playground {
   /** Frames of a session that is being opened, which come before it is described. */
   private early: EngineFrame[] = [];
   private info: SessionInfo | undefined;
+  private walls: readonly Wall[] = [];
   private frame: EngineFrame | undefined;
   private series = new Series([]);
   private chosenColour = "";
@@ -340,6 +342,7 @@ export class Playground {
 
   private begin(info: SessionInfo): void {
     this.info = info;
+    this.walls = wallsIn(info.configuration);
     this.problem.hidden = true;
     const notes = info.notes.filter((note) => note.severity !== "info");
     this.note.hidden = notes.length === 0;
@@ -447,6 +450,7 @@ export class Playground {
     const { columns, rows } = info.grid;
     const selected = inspector?.id ?? null;
     return {
+      walls: this.walls,
       ...(this.grid.checked ? { grid: { columns, rows } } : {}),
       ...(this.forces.checked && this.contacts !== undefined ? { contacts: this.contacts } : {}),
       ...(selected === null ? {} : { selected: [rowOf(frame.ids, selected)] }),

@@ -40,15 +40,15 @@ export class FileSource implements FrameSource {
     };
   }
 
-  /** Rejects with SourceError for a file of another format, or a damaged one. */
-  static async open(file: WorkerFile): Promise<FileSource> {
+  /** `more` is known of the file from elsewhere. Rejects with SourceError for a file of another format, or a damaged one. */
+  static async open(file: WorkerFile, more: Partial<Description> = {}): Promise<FileSource> {
     if (file.size === 0) throw new SourceError(`${file.name} is empty.`);
     const bytes = file.blob === undefined ? await ServedBytes.open(file.name, file.address as string) : new BlobBytes(file.name, file.blob);
     const kind = kindOfBytes(file.name, await bytes.read(0, BYTES_OF_FORMAT));
     const worker = new SourceWorker();
     const source = new FileSource(file.name, worker);
     try {
-      source.known = (await source.ask({ kind: "open", format: kind, file })) as Description;
+      source.known = { ...((await source.ask({ kind: "open", format: kind, file })) as Description), ...more };
       return source;
     } catch (error) {
       source.close();

@@ -1,6 +1,7 @@
 import type { Dataset, File, Group } from "h5wasm";
 
 import type { Box, Numbers } from "../drawing/frame.ts";
+import { wallsIn } from "../drawing/walls.ts";
 import { SourceError, type Description, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
 import type { FrameReader } from "./source_worker.ts";
 import { putInside, surround } from "./xyz_file.ts";
@@ -60,6 +61,7 @@ export class H5mdFile implements FrameReader {
       times,
       table: { times, quantities: this.quantities(frames) },
       notes: this.notes(),
+      walls: wallsIn(this.configuration()),
     };
   }
 
@@ -207,6 +209,12 @@ export class H5mdFile implements FrameReader {
         return [];
       }
     });
+  }
+
+  /** The settings of a run of Gridlock; empty for a file of another program. */
+  private configuration(): string {
+    const text = this.dataset("/parameters/configuration")?.value;
+    return typeof text === "string" ? text : "";
   }
 
   private stateHash(index: number): string {

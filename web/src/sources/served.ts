@@ -1,9 +1,10 @@
 import type { PackingTables } from "../charts/packing.ts";
+import { wallsIn } from "../drawing/walls.ts";
 import { request, ServedBytes } from "./bytes.ts";
 import { FileSource, kindOfFile } from "./file_source.ts";
 import { ServedRun, type RunInfo } from "./served_run.ts";
 import { packingOf } from "./protocol_tables.ts";
-import { SourceError, type FrameSource } from "./source.ts";
+import { SourceError, type Description, type FrameSource } from "./source.ts";
 
 /** What gridlock view shows. */
 export interface ServedContents {
@@ -44,7 +45,7 @@ export class Served {
     const name = contents.kind === "sweep" ? id : contents.name;
     if (info.trajectory !== null) return this.openTrajectory(contents, name, address, info);
     const state = info.files.find((file) => kindOfFile(file.name) === "xyz");
-    if (state !== undefined) return openServedFile(state.name, `${address}files/${encodeURIComponent(state.name)}`);
+    if (state !== undefined) return openServedFile(state.name, `${address}files/${encodeURIComponent(state.name)}`, await this.wallsOf(address, info));
     throw new SourceError(
       info.status === "unfinished" ? "The run has written no frame yet." : "The run kept no frames.",
       "A run keeps none unless it is told to: run it again with --set trajectory.every=N for a frame every N steps.");
@@ -64,6 +65,13 @@ export class Served {
     }
   }
 
+  /** The walls inside the box of a run that has kept no trajectory. */
+  private async wallsOf(address: string, info: RunInfo): Promise<Pick<Description, "walls">> {
+    const name = "config.resolved.toml";
+    if (!info.files.some((file) => file.name === name)) return {};
+    return { walls: wallsIn(await (await request(`${address}files/${name}`)).text()) };
+  }
+
   private async openTrajectory(contents: ServedContents, name: string, address: string, info: RunInfo): Promise<FrameSource> {
     try {
       return await ServedRun.open(name, address, contents.kind === "file" ? { ...info, status: "" } : info);
@@ -79,7 +87,7 @@ export class Served {
   }
 }
 
-async function openServedFile(name: string, address: string): Promise<FrameSource> {
+async function openServedFile(name: string, address: string, more: Partial<Description> = {}): Promise<FrameSource> {
   const { size } = await ServedBytes.open(name, address);
-  return FileSource.open({ name, size, address });
+  return FileSource.open({ name, size, address }, more);
 }

@@ -1,3 +1,4 @@
+import { wallsIn, type Wall } from "../drawing/walls.ts";
 import { request } from "./bytes.ts";
 import { readFrameBytes } from "./frame_bytes.ts";
 import { SourceError, type Description, type FrameSource, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
@@ -13,6 +14,7 @@ export interface RunInfo {
 
 interface TrajectoryPart {
   readonly agents: string;
+  readonly configuration: string;
   readonly columns: readonly string[];
   readonly valueNames: ValueNames;
   readonly frames: number;
@@ -33,6 +35,7 @@ export class ServedRun implements FrameSource {
   private agents = "agents";
   private columns: readonly string[] = [];
   private valueNames: ValueNames = {};
+  private walls: readonly Wall[] = [];
   private series: Description["table"] | undefined;
   private notes: readonly string[] = [];
 
@@ -57,8 +60,8 @@ export class ServedRun implements FrameSource {
 
   get description(): Description {
     const table = this.series ?? { times: this.times, quantities: this.quantities };
-    const { agents, columns, valueNames, steps, times, notes } = this;
-    return { agents, columns, valueNames, steps, times, table, notes };
+    const { agents, columns, valueNames, steps, times, notes, walls } = this;
+    return { agents, columns, valueNames, steps, times, table, notes, walls };
   }
 
   async refresh(): Promise<boolean> {
@@ -89,6 +92,7 @@ export class ServedRun implements FrameSource {
     this.agents = part.agents;
     this.columns = part.columns;
     this.valueNames = part.valueNames;
+    this.walls = wallsIn(part.configuration);
     this.steps = this.steps.concat(part.steps);
     this.times = this.times.concat(part.times);
     part.observables.forEach(({ values }, at) => {

@@ -1,6 +1,7 @@
 /** Where frames come from: a run that is served, or a file that was dropped on the page. */
 
 import type { Box, Numbers } from "../drawing/frame.ts";
+import type { Wall } from "../drawing/walls.ts";
 
 /** A quantity with a value at some of the times: an observable, or a column of series.csv. */
 export interface Quantity {
@@ -32,6 +33,8 @@ export interface Description {
   readonly table: QuantityTable;
   /** What a user should know of the file, such as frames that are missing. */
   readonly notes: readonly string[];
+  /** Those inside the box, where the settings of the run are known. */
+  readonly walls?: readonly Wall[];
 }
 
 /** All agents at one step. */

@@ -236,7 +236,8 @@ export class Viewer {
   private showOverlay(): void {
     const grid = this.shown === undefined ? undefined : gridOf(this.shown);
     this.gridField.hidden = grid === undefined;
-    this.drawing.setOverlay({ selected: this.selection.rows, ...(this.grid.checked && grid !== undefined ? { grid } : {}) });
+    const walls = this.source?.description.walls ?? [];
+    this.drawing.setOverlay({ walls, selected: this.selection.rows, ...(this.grid.checked && grid !== undefined ? { grid } : {}) });
   }
 
   private showColours(): void {

@@ -18,6 +18,7 @@ import {
 import { agentAt, distance } from "../../src/drawing/picking.ts";
 import { toSvg } from "../../src/drawing/svg.ts";
 import { LIGHT } from "../../src/drawing/overlay.ts";
+import { wallsIn } from "../../src/drawing/walls.ts";
 
 const frameOf = (positions: number[], radius: number | number[], periodic = false): Frame => ({
   box: { width: 1, height: 1, periodic },
@@ -340,6 +341,27 @@ test("an SVG file has every disk once, its images across the edges, and text tha
       height: 1,
     }),
   ).toThrow(/PNG/);
+});
+
+test("walls inside the box are read from the settings of a run, and from its own line alone", () => {
+  const line = "walls = [{ from = [0.0, 18.0], to = [8.4, 1e-05] }, { from = [20.0, 18.5], to = [11.6, 10.0] }]\n";
+  const walls = [
+    { from: { x: 0, y: 18 }, to: { x: 8.4, y: 1e-5 } },
+    { from: { x: 20, y: 18.5 }, to: { x: 11.6, y: 10 } },
+  ];
+  expect(wallsIn(`${line}\n[box]\nwidth = 20.0\n`)).toEqual(walls);
+  expect(wallsIn("walls = []\nprotocol = [{ from = [1.0, 2.0], to = [3.0, 4.0] }]\n")).toEqual([]);
+  expect(wallsIn("[box]\nwidth = 20.0\n")).toEqual([]);
+  expect(wallsIn("")).toEqual([]);
+});
+
+test("an SVG file has the walls inside the box from one end to the other", () => {
+  const frame = frameOf([0.5, 0.5], 0.1);
+  const camera = new Camera();
+  camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true);
+  const walls = [{ from: { x: 0, y: 0.75 }, to: { x: 0.5, y: 0.25 } }];
+  const svg = toSvg({ frame, paint: paint(frame, { by: "plain" }), camera, overlay: { walls }, theme: LIGHT, width: 400, height: 400 });
+  expect(svg).toContain(`<path d="M0 100L200 300" fill="none" stroke="${toCss(LIGHT.ink)}" stroke-width="2"/>`);
 });
 
 test("an SVG file of a wide or a tall box has its grid and the images of its disks where they are", () => {

@@ -47,6 +47,12 @@ describe("A trajectory of Gridlock", () => {
     expect(displacement?.unit).toBe("sides of the box");
   });
 
+  test("has the walls inside the box that the settings in it have", () => {
+    place.run(`${SMALL_RUN.replace('"periodic"', '"wall"')}engine.kind = "exact"\nwalls = [{ from = [0.0, 0.0], to = [0.01, 0.01] }]\n`, "walled");
+    expect(opened(place.of("walled/trajectory.h5")).description.walls).toEqual([{ from: { x: 0, y: 0 }, to: { x: 0.01, y: 0.01 } }]);
+    expect(opened(place.of("results/trajectory.h5")).description.walls).toEqual([]);
+  });
+
   test("of agents that come and go has those that are there", async () => {
     place.run(`model.kind = "epidemic"\n[epidemic]\ncount = 40\nturnover_rate = 5.0\n[run]\nsteps = 40\n[trajectory]\nevery = 10\n`, "town");
     place.gridlock("export", "town", "--to", "csv", "-o", "town.csv");

@@ -306,6 +306,24 @@ describe("A finished run", () => {
   });
 });
 
+describe("A run with walls inside the box", () => {
+  test("shows them, also where it has kept its last state alone", async () => {
+    const walls = 'walls = [{ from = [0.0, 0.0], to = [0.01, 0.01] }]\n';
+    const settings = `${walls}${SMALL_RUN.replace('"periodic"', '"wall"')}engine.kind = "exact"\n`;
+    place.run(settings, "walled");
+    place.run(settings.replace(/trajectory.*\n/, ""), "walled_end");
+    for (const [path, count] of [["walled", 1], ["walled/trajectory.h5", 1], ["walled_end", 1], ["walled_end/final.xyz", 0], ["results", 0]] as const) {
+      await page.goto(await place.view(path));
+      await seen("frame 1 of");
+      const shown = page.waitForEvent("download");
+      await page.getByRole("button", { name: "Save" }).click();
+      await page.getByRole("menuitem", { name: "Picture, SVG" }).click();
+      const svg = readFileSync(await (await shown).path(), "utf8");
+      expect(svg.match(/stroke-width="2"/g)?.length ?? 0, path).toBe(count);
+    }
+  });
+});
+
 describe("A packing", () => {
   test("shows its stages, charts against φ and results, as the program has written them", async () => {
     const toml = `disks.count = 36
