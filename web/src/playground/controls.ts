@@ -2,6 +2,7 @@
 
 import type { SettingDescription, SettingValue } from "../engine/gridlock.ts";
 import { element, select, words } from "../page/dom.ts";
+import { canBeFixed, SHARE_OF_FIXED, shareOfFixed, SPECIES, withShareOfFixed } from "./fixed_share.ts";
 
 type Values = Readonly<Record<string, SettingValue>>;
 
@@ -26,7 +27,7 @@ const THERMOSTAT_KEYS: Readonly<Record<string, readonly string[]>> = {
 const GRAIN_KEYS = ["collisions.restitution", "gravity.y"];
 /** Of disks: v₀, and D_R where they swim. */
 const PROPULSION_KEYS = ["propulsion.speed", "propulsion.rotational_diffusion"];
-const COMMON_KEYS = ["box.edge", "run.seed"];
+const COMMON_KEYS = ["box.edge", "box.edge_x", "box.edge_y", "run.seed"];
 
 const NAMES: Readonly<Record<string, string>> = {
   "disks.packing_fraction": "Packing fraction φ",
@@ -43,7 +44,10 @@ const NAMES: Readonly<Record<string, string>> = {
   "gravity.y": "Gravity",
   "propulsion.speed": "Swim speed v₀",
   "propulsion.rotational_diffusion": "Rotational diffusion D_R",
+  [SPECIES]: "Share of fixed disks",
   "box.edge": "Edge of the box",
+  "box.edge_x": "Left and right edge",
+  "box.edge_y": "Lower and upper edge",
   "run.seed": "Seed",
 };
 const RANGES: Readonly<Record<string, Range>> = {
@@ -51,6 +55,7 @@ const RANGES: Readonly<Record<string, Range>> = {
   "disks.count": { least: 4, most: 100_000, logarithmic: true, integer: true },
   "velocities.max": { least: 0, most: 5 },
   "engine.time_step": { least: 0.005, most: 0.5, logarithmic: true },
+  [SPECIES]: { least: 0, most: 0.9 },
   "propulsion.speed": { least: 0, most: 5 },
   "propulsion.rotational_diffusion": { least: 0, most: 1 },
   "engine.cells": { least: 1, most: 60, integer: true },
@@ -73,9 +78,11 @@ function keysOfEngine(values: Values): string[] {
   const swims = Number(values["propulsion.speed"] ?? 0) > 0;
   const propulsion = PROPULSION_KEYS.filter((key) => swims || key === "propulsion.speed");
   const engine = ENGINE_KEYS.filter((key) => key !== "engine.contact" || (values["engine.kind"] !== "exact" && !swims));
-  if (values["engine.kind"] !== "exact") return [...engine, ...propulsion];
+  const ofFixed = canBeFixed(values) ? [SPECIES] : [];
+  // Under a rule with a time step all disks swim, or none.
+  if (values["engine.kind"] !== "exact") return [...engine, ...propulsion, ...(swims ? [] : ofFixed)];
   const kind = String(values["thermostat.kind"] ?? "none");
-  return [...engine, ...(THERMOSTAT_KEYS[kind] ?? []), ...GRAIN_KEYS, ...(kind === "brownian" ? propulsion : [])];
+  return [...engine, ...(THERMOSTAT_KEYS[kind] ?? []), ...GRAIN_KEYS, ...ofFixed, ...(kind === "brownian" ? propulsion : [])];
 }
 
 function isSimple(setting: SettingDescription): boolean {
@@ -124,6 +131,7 @@ export class Controls {
   readonly element = element("div", { class: "group" });
   private controls: Control[] = [];
   private keys = "";
+  private values: Values = {};
 
   constructor(
     private readonly settings: readonly SettingDescription[],
@@ -132,12 +140,14 @@ export class Controls {
 
   /** Shows the values of a run that was opened. */
   show(values: Values, keys: readonly string[] = mainKeys(this.settings, values)): void {
+    this.values = values;
+    const valueOf = (key: string): SettingValue => (key === SPECIES ? shareOfFixed(values) : (values[key] ?? null));
     if (keys.join() !== this.keys) {
       this.keys = keys.join();
-      this.controls = keys.map((key) => this.make(key, values[key] ?? null));
+      this.controls = keys.map((key) => this.make(key, valueOf(key)));
       this.element.replaceChildren(...this.controls.map((control) => control.element));
     }
-    for (const control of this.controls) control.update(values[control.key] ?? null);
+    for (const control of this.controls) control.update(valueOf(control.key));
   }
 
   /** Says something beside the control of a key, where there is one. */
@@ -149,6 +159,7 @@ export class Controls {
     const setting = this.settings.find((one) => one.key === key) as SettingDescription;
     if (setting.choices.length > 0) return this.choice(setting);
     if (setting.kind === "switch") return this.switch(setting);
+    if (key === SPECIES) return this.slider({ ...setting, documentation: SHARE_OF_FIXED }, Number(value), (text) => withShareOfFixed(this.values, Number(text)));
     return this.slider(setting, typeof value === "number" ? value : Number(setting.default ?? 0));
   }
 
@@ -185,7 +196,8 @@ export class Controls {
     };
   }
 
-  private slider(setting: SettingDescription, value: number): Control {
+  /** `written`: what a number of the slider is in the settings. */
+  private slider(setting: SettingDescription, value: number, written = (text: string): string => text): Control {
     const range = rangeOf(setting, value);
     const id = `setting-${setting.key.replaceAll(".", "-")}`;
     const name = nameOf(setting.key);
@@ -197,10 +209,10 @@ export class Controls {
     slider.addEventListener("input", () => {
       number.value = String(valueAt(range, Number(slider.value) / 1000));
       say();
-      this.onChange(setting.key, number.value);
+      this.onChange(setting.key, written(number.value));
     });
     number.addEventListener("change", () => {
-      if (number.value !== "") this.onChange(setting.key, number.value);
+      if (number.value !== "") this.onChange(setting.key, written(number.value));
     });
     const hint = element("p", { class: "hint wide", hidden: true });
     const field = element(

@@ -47,11 +47,11 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
   },
   hopper: {
     act: "Press *Run*. Then set *Restitution e* to 0.5, and *Gravity* to -3.",
-    see: "Grains fall on two slanted walls, which are not drawn, and flow out through the gap between them.",
+    see: "Grains fall on two slanted walls and flow out through the gap between them.",
     ask: "Does the flow stop while grains are left above the gap? What would a narrower gap change?",
   },
   lorentz: {
-    act: "Press *Run*. Click a small disk and follow it.",
+    act: "Press *Run*. Click a small disk and follow it. Then set *Share of fixed disks* to 0.6.",
     see: "Large disks are fixed. Small ones fly straight from one to the next, and now and then through an empty site to other rows.",
     ask: "A small disk keeps its speed when it hits a large one. Why does it forget its direction all the same, and how fast?",
   },

@@ -5,6 +5,9 @@ import { join } from "node:path";
 
 import { beforeAll, describe, expect, it } from "vitest";
 
+import { wallsIn } from "../../src/drawing/walls.ts";
+import { shareOfFixed, SPECIES, withShareOfFixed } from "../../src/playground/fixed_share.ts";
+import { findScene } from "../../src/playground/scenes.ts";
 import { packingOf } from "../../src/sources/protocol_tables.ts";
 import { Series } from "../../src/charts/series.ts";
 import { GridlockError, loadGridlock, type Gridlock, type Problem } from "../../src/engine/gridlock.ts";
@@ -122,6 +125,39 @@ describe("the settings", () => {
     expect(merged).toContain("disks.count = 1000000000\n");
     expect(merged).toContain('engine.kind = "exact"\n');
     expect(gridlock.read(merged)).toEqual(gridlock.read(toml, ["engine.kind=exact"]));
+  });
+});
+
+describe("the scene of a hopper", () => {
+  const toml = findScene("hopper")?.toml ?? "";
+  const walls = [
+    { from: { x: 0, y: 18 }, to: { x: 8.4, y: 10 } },
+    { from: { x: 20, y: 18 }, to: { x: 11.6, y: 10 } },
+  ];
+
+  it("keeps its walls where other settings are changed, in the run and in the link", () => {
+    for (const change of [[], ["collisions.restitution=0.5", "gravity.y=-3"], ["box.edge_x=periodic", "disks.count=200"]]) {
+      const session = gridlock.open(toml, change);
+      expect(wallsIn(session.configuration())).toEqual(walls);
+      session.dispose();
+      const linked = gridlock.open(gridlock.merge(toml, change));
+      expect(wallsIn(linked.configuration())).toEqual(walls);
+      linked.dispose();
+    }
+  });
+
+  it("gets as many fixed disks as the slider says, beside any other change", () => {
+    let values = gridlock.read(toml);
+    for (const share of [0.25, 0, 0.1]) {
+      const change = [`${SPECIES}=${withShareOfFixed(values, share)}`, "gravity.y=-3"];
+      const session = gridlock.open(gridlock.merge(toml, change));
+      const masses = Array.from(session.column("mass"), Number);
+      expect(masses.filter((mass) => mass === Infinity).length).toBe(300 * share);
+      values = session.values();
+      expect(shareOfFixed(values)).toBeCloseTo(share, 12);
+      session.advance(3);
+      session.dispose();
+    }
   });
 });
 

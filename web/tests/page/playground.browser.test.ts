@@ -287,6 +287,29 @@ describe("the set-up", () => {
     });
   });
 
+  test("edges of x and y and fixed disks are set apart, and the walls of a scene stay", async () => {
+    const { decodeLink } = await import("../../src/playground/link.ts");
+    await withPlayground("#scene=hopper", async ({ page, user }) => {
+      const svg = (): Promise<string> =>
+        page.evaluate(async () => {
+          const { drawing } = (globalThis as unknown as { gridlock: { drawing: { picture(format: "svg"): Promise<Blob> } } }).gridlock;
+          return (await drawing.picture("svg")).text();
+        });
+      const walls = async (): Promise<number> => (await svg()).match(/stroke-width="2"/g)?.length ?? 0;
+      const dashed = async (): Promise<number> => (await svg()).match(/stroke-dasharray/g)?.length ?? 0;
+      expect([await walls(), await dashed()]).toEqual([2, 0]);
+      await page.getByRole("combobox", { name: "Left and right edge" }).selectOption("periodic");
+      await expect.poll(dashed).toBe(2);
+      await user.setNumber("Share of fixed disks", 0.1);
+      const linked = async (): Promise<string> => (await decodeLink(new URL(page.url()).hash)).toml ?? "";
+      await expect.poll(linked).toMatch(/fixed = true[^]*walls = \[\{/);
+      expect(await page.getByRole("spinbutton", { name: "Share of fixed disks" }).inputValue()).toBe("0.1");
+      await user.runPast(3);
+      expect([await walls(), await dashed()]).toEqual([2, 2]);
+      expect(await page.getByRole("alert").isVisible()).toBe(false);
+    });
+  });
+
   test("what cannot be set up is refused in the words of the command line, and the run before stays", async () => {
     await withPlayground("#scene=paper", async ({ page, user }) => {
       const before = await user.hash();

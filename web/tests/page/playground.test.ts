@@ -6,7 +6,8 @@ import { describe, expect, test } from "vitest";
 import { chartsFor, valuesOf } from "../../src/charts/run_charts.ts";
 import { numberText, Series } from "../../src/charts/series.ts";
 import type { SettingDescription } from "../../src/engine/gridlock.ts";
-import { placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
+import { mainKeys, placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
+import { canBeFixed, shareOfFixed, SPECIES, withShareOfFixed } from "../../src/playground/fixed_share.ts";
 import { GUIDES, namesIn } from "../../src/playground/guides.ts";
 import { rowOf } from "../../src/playground/inspector.ts";
 import { decodeLink, encodeLink } from "../../src/playground/link.ts";
@@ -135,6 +136,49 @@ describe("controls", () => {
     const setup = new Setup("x = 1").with("disks.count", "100").with("run.seed", "2").with("disks.count", "50");
     expect(setup.overrides).toEqual(["disks.count=50", "run.seed=2"]);
     expect(new Setup("x = 1").isChanged).toBe(false);
+  });
+});
+
+describe("the share of fixed disks", () => {
+  const ofKinds = (...kinds: [fraction: number, size_ratio: number, fixed: boolean][]): Record<string, number | boolean | string> => ({
+    "disks.sizes": "equal",
+    protocol: 0,
+    [SPECIES]: kinds.length,
+    ...Object.fromEntries(
+      kinds.flatMap(([fraction, size_ratio, fixed], k) =>
+        Object.entries({ fraction, size_ratio, mass: 1, fixed }).map(([name, value]) => [`${SPECIES}[${k}].${name}`, value]),
+      ),
+    ),
+  });
+
+  test("is that of all fixed kinds, and each kind keeps its part of it", () => {
+    const values = ofKinds([0.5, 1, true], [0.25, 0.5, true], [0.25, 0.1, false]);
+    expect(shareOfFixed(values)).toBe(0.75);
+    expect(withShareOfFixed(values, 0.375)).toBe(
+      "[{ fraction = 0.25, size_ratio = 1, mass = 1, fixed = true }, { fraction = 0.125, size_ratio = 0.5, mass = 1, fixed = true }, " +
+        "{ fraction = 0.625, size_ratio = 0.1, mass = 1, fixed = false }]",
+    );
+  });
+
+  test("of a run without fixed disks makes some like the first kind, and from nothing they come back", () => {
+    expect(shareOfFixed(ofKinds())).toBe(0);
+    expect(withShareOfFixed(ofKinds(), 0.25)).toBe(
+      "[{ fraction = 0.75, size_ratio = 1, mass = 1, fixed = false }, { fraction = 0.25, size_ratio = 1, mass = 1, fixed = true }]",
+    );
+    expect(withShareOfFixed(ofKinds([1, 1, false], [0, 2, true]), 0.5)).toContain("{ fraction = 0.5, size_ratio = 2, mass = 1, fixed = true }");
+  });
+
+  test("has a slider where disks can be fixed", () => {
+    const settings = [SPECIES, "engine.kind", "propulsion.speed", "box.edge_x", "box.edge_y"].map((key) => ({ key })) as SettingDescription[];
+    const shown = (more: Record<string, number | string>): boolean => mainKeys(settings, { ...ofKinds(), ...more }).includes(SPECIES);
+    expect(shown({ "engine.kind": "stepped" })).toBe(true);
+    expect(shown({ "engine.kind": "exact" })).toBe(true);
+    expect(shown({ "engine.kind": "stepped", "propulsion.speed": 1 })).toBe(false);
+    expect(shown({ "model.kind": "flocking" })).toBe(false);
+    expect(canBeFixed({ ...ofKinds(), protocol: 2 })).toBe(false);
+    expect(canBeFixed({ ...ofKinds(), "disks.sizes": "uniform" })).toBe(false);
+    expect(canBeFixed(ofKinds([1, 1, true]))).toBe(false);
+    expect(mainKeys(settings, ofKinds())).toEqual(expect.arrayContaining(["box.edge_x", "box.edge_y"]));
   });
 });
 
