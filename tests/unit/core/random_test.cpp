@@ -7,8 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <set>
 #include <vector>
+
+#include "core/normal_pairs.hpp"
 
 namespace gridlock {
 namespace {
@@ -130,6 +133,33 @@ TEST(RandomStream, NormalHasTheTailsOfTheNormalDistribution) {
     EXPECT_LT(std::abs(standard_errors_off(draws, expected, [&] { return static_cast<double>(random.normal() < x); })),
               max_errors)
         << "P(normal < " << x << ")";
+  }
+}
+
+TEST(RandomStream, NormalIsTheRatioOfUniformNumbersThatTheLogarithmAccepts) {
+  RandomStream random(15, 0, 0, Purpose::species);
+  RandomStream same(15, 0, 0, Purpose::species);
+  for (int n = 0; n < draws; ++n) {
+    double expected = std::numeric_limits<double>::infinity();
+    for (double u = 1.0; !(expected * expected <= -4.0 * std::log(u));) {
+      u = 1.0 - same.uniform();
+      expected = 1.71552776992141359295 * (same.uniform() - 0.5) / u;
+    }
+    ASSERT_EQ(random.normal(), expected);
+  }
+}
+
+TEST(NormalPairs, AreTheFirstTwoNormalNumbersOfEachStream) {
+  for (std::size_t const count : {0U, 1U, 63U, 64U, 65U, 20'000U}) {
+    std::vector<Id> ids(count);
+    for (std::size_t k = 0; k < count; ++k) ids[k] = (7919 * k) % 20'011;
+    std::vector<Vector> pairs(count);
+    draw_normal_pairs(16, 3, ids, Purpose::thermostat, pairs);
+    for (std::size_t k = 0; k < count; ++k) {
+      RandomStream random(16, 3, ids[k], Purpose::thermostat);
+      double const x = random.normal();
+      ASSERT_EQ(pairs[k], (Vector{x, random.normal()}));
+    }
   }
 }
 
