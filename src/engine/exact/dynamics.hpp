@@ -5,9 +5,11 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "engine/exact/flight.hpp"
+#include "engine/exact/kicked_disks.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -104,10 +106,12 @@ class Dynamics final : public Flight {
 
   /// The velocity that a kick gives to a disk.
   using VelocityOf = std::function<Vector(Id id, std::uint32_t id_index, double mass)>;
+  /// Writes the velocities that a kick gives to these disks.
+  using VelocitiesOf = std::function<void(KickedDisks const& disks, std::span<Vector> velocities)>;
   /// Gives all disks new velocities at the time `elapsed`, to which run() has come, and begins an epoch that ends at
   /// `next`, the time of the next kick, at the latest. Contract: nothing grows; run() is not asked for times after
   /// `next` before that kick.
-  void kick_all(double elapsed, double next, VelocityOf const& velocity_of);
+  void kick_all(double elapsed, double next, VelocitiesOf const& velocities_of);
   /// Calls visit(Id, id index, centre) for each disk at the time `elapsed`, to which run() has come, in any order. In a
   /// periodic box the centre is that of a disk that was never moved to the other side.
   void visit_disks(double elapsed, std::function<void(Id, std::uint32_t, Vector)> const& visit) const;
@@ -165,6 +169,7 @@ class Dynamics final : public Flight {
   void begin_epoch(double zero, double length, double factor_of_velocities = 1.0, double hits_per_time = 0.0);
   void move_zero_of_time(double zero);
   [[nodiscard]] double longest_epoch() const;
+  [[nodiscard]] double longest_epoch_with(double squared_speeds) const;
   void cut_epoch();
 
   void restore(Archive const& archive, SavedDisks const& saved);
@@ -190,6 +195,7 @@ class Dynamics final : public Flight {
 
   // Functions in kicks.cpp, for thermostats:
   [[nodiscard]] bool may_be_kicked(double elapsed) const;
+  void give_velocities(VelocitiesOf const& velocities_of);
   [[nodiscard]] Index disk_of(std::uint32_t id_index);
 
   // Functions in growing.cpp, for disks that grow:

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/unwrapped.hpp"
@@ -22,20 +23,14 @@ bool Dynamics::may_be_kicked(double elapsed) const {
 
 /// As begin_epoch(), but cells and lists stay as they are, for the disks are where they were: they are made anew, and
 /// the disks sorted in memory, only after as long a time as the longest epoch.
-void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_of) {
+void Dynamics::kick_all(double elapsed, double next, VelocitiesOf const& velocities_of) {
   double const duration = std::max(elapsed - epoch_start_, now_);
   auto const hits = static_cast<double>(hits_ - hits_before_epoch_);
   auto const events = static_cast<double>(events_made());
   bool const was_shared = strips_ != nullptr;
   move_zero_of_time(duration);
   now_ = 0.0;
-  for (std::size_t i = 0; i < size_; ++i) {
-    MovingDisk& disk = disks_[i];
-    Vector const v = velocity_of(id_of(static_cast<Index>(i)), disk.id_index, mass_of(static_cast<Index>(i)));
-    disk.velocity_x = v.x;
-    disk.velocity_y = v.y;
-    disk.last_hit = 0.0;
-  }
+  give_velocities(velocities_of);
   double const hits_per_time = duration > 0.0 ? hits / (static_cast<double>(size_) * duration) : 0.0;
   longest_epoch_ = longest_epoch();
   next_kick_ = next;
@@ -55,6 +50,33 @@ void Dynamics::kick_all(double elapsed, double next, VelocityOf const& velocity_
   refresh_prediction_input();
   predict_all(0.0);
   open_calendar();
+}
+
+void Dynamics::give_velocities(VelocitiesOf const& velocities_of) {
+  constexpr std::size_t at_once = 64;
+  std::array<Id, at_once> ids;
+  std::array<std::uint32_t, at_once> id_indices;
+  std::array<double, at_once> masses;
+  std::array<Vector, at_once> velocities;
+  for (std::size_t first = 0; first < size_; first += at_once) {
+    std::size_t const count = std::min(at_once, size_ - first);
+    for (std::size_t k = 0; k < count; ++k) {
+      auto const i = static_cast<Index>(first + k);
+      ids[k] = id_of(i);
+      id_indices[k] = disks_[i].id_index;
+      masses[k] = mass_of(i);
+    }
+    velocities_of({.ids = std::span(ids).first(count),
+                   .id_indices = std::span(id_indices).first(count),
+                   .masses = std::span(masses).first(count)},
+                  std::span(velocities).first(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      MovingDisk& disk = disks_[first + k];
+      disk.velocity_x = velocities[k].x;
+      disk.velocity_y = velocities[k].y;
+      disk.last_hit = 0.0;
+    }
+  }
 }
 
 void Dynamics::visit_disks(double elapsed, std::function<void(Id, std::uint32_t, Vector)> const& visit) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/normal_pairs.hpp"
 #include "core/unwrapped.hpp"
 #include "engine/exact/dynamics.hpp"
 #include "engine/exact/moving_rows.hpp"
@@ -23,10 +24,18 @@ Vector Thermostat::velocity(RandomStream& random, double mass) const {
   return {width * x, width * random.normal()};
 }
 
-Vector Thermostat::velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const {
-  RandomStream random = draws(kick, id);
-  Vector const thermal = velocity(random, mass);
-  return headings_.empty() ? thermal : thermal + propulsion_.speed * headings_[id_index];
+void Thermostat::draw_velocities(std::uint64_t kick, KickedDisks const& disks, std::span<Vector> velocities) const {
+  draw_normal_pairs(seed_, kick, disks.ids, Purpose::thermostat, velocities);
+  double mass = 0.0;
+  double width = 0.0;
+  for (std::size_t k = 0; k < velocities.size(); ++k) {
+    if (disks.masses[k] != mass) {
+      mass = disks.masses[k];
+      width = std::sqrt(*settings_.temperature / mass);
+    }
+    velocities[k] = width * velocities[k];
+    if (!headings_.empty()) velocities[k] = velocities[k] + propulsion_.speed * headings_[disks.id_indices[k]];
+  }
 }
 
 /// Takes headings from the velocities.
@@ -73,7 +82,8 @@ void Thermostat::start_from(State& state) {
     if (!is_flight_whole_) return;
     for (std::uint32_t id_index = 0; id_index < rows.size(); ++id_index) {
       std::uint32_t const row = rows[id_index];
-      Vector const v = velocity_of(next_kick_, disks.ids()[row], id_index, disks.column<Mass>()[row]);
+      Vector v;
+      draw_velocities(next_kick_, {{&disks.ids()[row], 1}, {&id_index, 1}, {&disks.column<Mass>()[row], 1}}, {&v, 1});
       disks.column<VelocityX>()[row] = v.x;
       disks.column<VelocityY>()[row] = v.y;
     }
@@ -101,9 +111,9 @@ void Thermostat::kick(Dynamics& dynamics, double start_time, Counters& counters)
     std::uint64_t const kick = next_kick_++;
     double const elapsed = time_of(kick) - start_time;
     if (propulsion_.is_on()) turn_headings(dynamics, kick, elapsed, counters);
-    dynamics.kick_all(elapsed, time_of(next_kick_) - start_time, [&](Id id, std::uint32_t id_index, double mass) {
-      return velocity_of(kick, id, id_index, mass);
-    });
+    dynamics.kick_all(
+        elapsed, time_of(next_kick_) - start_time,
+        [&](KickedDisks const& disks, std::span<Vector> velocities) { draw_velocities(kick, disks, velocities); });
     return;
   }
   std::pop_heap(kicks_.begin(), kicks_.end());

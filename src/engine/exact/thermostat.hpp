@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/exact/kicked_disks.hpp"
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
@@ -59,7 +60,7 @@ class Thermostat {
   }
   [[nodiscard]] RandomStream draws(std::uint64_t kick, Id id) const { return {seed_, kick, id, Purpose::thermostat}; }
   [[nodiscard]] Vector velocity(RandomStream& random, double mass) const;
-  [[nodiscard]] Vector velocity_of(std::uint64_t kick, Id id, std::uint32_t id_index, double mass) const;
+  void draw_velocities(std::uint64_t kick, KickedDisks const& disks, std::span<Vector> velocities) const;
   void begin_swimming(State const& state, std::span<std::uint32_t const> rows);
   void turn_headings(Dynamics const& dynamics, std::uint64_t kick, double elapsed, Counters& counters);
   void serialize_swimming(Archive& archive, std::size_t disks);
