@@ -175,6 +175,7 @@ TEST_P(ExactProperty, PredictsTheSameBitsWithEveryKernelFromCellsAndFromLists) {
   for (exact::Lists const lists : {exact::Lists::not_at_all, exact::Lists::always}) {
     State const state = start(2);
     exact::Dynamics dynamics(state, {.lists = lists});
+    reference::compare_start(dynamics);
     Counters counters;
     for (std::uint64_t n = 1; n <= 20; ++n) {
       dynamics.run(1e6, n * disks() / 4, 0, counters);
@@ -331,6 +332,13 @@ TEST_P(ExactUnequal, PredictsTheSameBitsWithEveryKernel) {
       bool const has_long_lists = !std::ranges::all_of(all, &exact::Neighbours::has_all);
       EXPECT_TRUE(has_long_lists) << "the test does not see long lists";
     }
+  }
+}
+
+TEST_P(ExactUnequal, PredictsFromEachPairAtTheStartWhatEveryDiskFindsByItself) {
+  for (exact::Lists const lists : {exact::Lists::not_at_all, exact::Lists::always}) {
+    exact::Dynamics dynamics(start(), {.lists = lists});
+    reference::compare_start(dynamics);
   }
 }
 

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "engine/exact/dynamics.hpp"
+#include "engine/exact/near_pairs.hpp"
 #include "engine/exact/prediction.hpp"
 
 namespace gridlock::reference {
@@ -39,6 +42,33 @@ inline bool compare_kernels(exact::Dynamics& dynamics) {
     }
   }
   return true;
+}
+
+/// Compares the events for which the disks of a new dynamics wait with the reference, disk by disk, and the times of
+/// contact of all pairs with every target, where the box has room for kernels. Contract: there are no obstacles.
+inline void compare_start(exact::Dynamics& dynamics) {
+  exact::PredictionInput const& input = dynamics.prediction_input();
+  if (!exact::has_room_for_registers(input)) return;
+  std::vector<exact::Prediction> found;
+  for (exact::Index i = 0; i < dynamics.size(); ++i) {
+    found.push_back({dynamics.disks()[i].event_time, dynamics.disks()[i].partner});
+  }
+  for (exact::Index i = 0; i < dynamics.size(); ++i) dynamics.disks()[i].event_time = exact::never;
+  exact::Pairs pairs;
+  pairs.make_room_for(dynamics.size() * dynamics.size() / 2);
+  for (exact::Index i = 0; i < dynamics.size(); ++i) {
+    exact::Prediction const expected = exact::reference_predictor().one(input, i, 0.0);
+    EXPECT_EQ(expected.time, found[i].time);
+    EXPECT_EQ(expected.partner, found[i].partner);
+    for (exact::Index j = 0; j < i; ++j) pairs.add(i, j, true);
+  }
+  auto const times_with = [&](Target target) {
+    exact::near_pairs_for(target, input).find_times(input, pairs);
+    return std::vector(pairs.times.begin(), pairs.times.begin() + static_cast<std::ptrdiff_t>(pairs.count));
+  };
+  std::vector<double> const expected = times_with(Target::scalar);
+  for (Target const target : available_targets()) EXPECT_EQ(times_with(target), expected) << to_text(target);
+  for (exact::Index i = 0; i < dynamics.size(); ++i) dynamics.disks()[i].event_time = found[i].time;
 }
 
 }  // namespace gridlock::reference

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "engine/exact/candidates.hpp"
+#include "engine/exact/near_pairs.hpp"
 
 namespace gridlock::exact {
 
@@ -72,16 +74,68 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
 /// Predicts the event of every disk. No disk may wait for an event yet; their order does not matter. Of two disks that
 /// touch first, each predicts the collision, and the first of the two events serves both.
 void Flight::predict_all(double time) {
+  if (time == 0.0 && !is_growing() && has_room_for_registers(prediction_input_)) {
+    predict_all_at_zero();
+    return;
+  }
   LargeArray<double> times(size_);
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
   for (Index i = 0; i < size_; ++i) {
-    Prediction first = predictor_.one(prediction_input_, i, time);
-    if (obstacles_ != nullptr) first = first_of_obstacles(i, first, time);
+    Prediction const first = predictor_.one(prediction_input_, i, time);
     times[i] = first.time;
     disks_[i].partner = first.partner;
-    if (first.partner < first_obstacle) disks_[i].partner_collision_count = disks_[first.partner].collision_count;
   }
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = times[i];
+  complete_predictions(time);
+}
+
+/// The same at the start of an epoch, when no disk has been hit: each pair is looked at once for both its disks.
+void Flight::predict_all_at_zero() {
+  PredictionInput const& s = prediction_input_;
+  NearPairs const near = near_pairs_for(target(), s);
+  for (Index i = 0; i < size_; ++i) {
+    Prediction const border = predict_border(s, i, 0.0);
+    disks_[i].event_time = border.time;
+    disks_[i].partner = border.partner;
+  }
+  auto const offer = [&](Index i, Index j, double time) {
+    MovingDisk& disk = disks_[i];
+    Prediction const first = earlier_of({disk.event_time, disk.partner}, time, 1U, &j, disks_.data());
+    disk.event_time = first.time;
+    disk.partner = first.partner;
+  };
+  Pairs pairs;
+  for (Index next = 0; next < size_; pairs.count = 0) {
+    next = near.add(s, next, static_cast<Index>(size_), pairs);
+    std::fill_n(&pairs.one[pairs.count], Pairs::slack, s.nobody);
+    std::fill_n(&pairs.other[pairs.count], Pairs::slack, s.nobody);
+    near.find_times(s, pairs);
+    std::size_t touching = 0;
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+      pairs.one[touching] = pairs.one[k];
+      pairs.other[touching] = pairs.other[k];
+      pairs.times[touching] = pairs.times[k];
+      touching += pairs.times[k] < never ? 1 : 0;
+    }
+    for (std::size_t k = 0; k < touching; ++k) {
+      offer(pairs.one[k], pairs.other[k], pairs.times[k]);
+      offer(pairs.other[k], pairs.one[k], pairs.times[k]);
+    }
+  }
+  complete_predictions(0.0);
+}
+
+/// Adds the hits of obstacles, and the counts that tell whether a prediction is void.
+void Flight::complete_predictions(double time) {
+  for (Index i = 0; i < size_; ++i) {
+    MovingDisk& disk = disks_[i];
+    if (obstacles_ != nullptr) [[unlikely]] {
+      Prediction const first = first_of_obstacles(i, {disk.event_time, disk.partner}, time);
+      disk.event_time = first.time;
+      disk.partner = first.partner;
+    }
+    if (disk.partner < first_obstacle) disk.partner_collision_count = disks_[disk.partner].collision_count;
+  }
 }
 
 void Flight::refresh_prediction_input() {

@@ -71,6 +71,8 @@ class Flight {
   /// Takes over these disks of `whole` with their properties, but not its cells, lists and events.
   void take_part(Flight const& whole, std::span<Index const> disks);
   void predict_all(double time);
+  void predict_all_at_zero();
+  void complete_predictions(double time);
   void sort_disks_by_cell(double time);
   void refresh_prediction_input();
   void open_calendar();
