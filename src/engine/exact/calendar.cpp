@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 namespace gridlock::exact {
 
@@ -104,13 +105,20 @@ void Calendar::make_room_for_found() {
 }
 
 void Calendar::sort_due(MovingDisk const* disks) {
-  if (due_count_ <= max_counted && sort_due()) return;
-  std::copy_n(found_.begin(), due_count_, due_.begin());
-  std::sort(due_.data(), due_.data() + due_count_,
-            [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); });
+  auto const comes_first = [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); };
+  if (due_count_ > max_counted) {
+    std::copy_n(found_.begin(), due_count_, due_.begin());
+    std::sort(due_.data(), due_.data() + due_count_, comes_first);
+  } else if (!sort_due()) {
+    // After a draw of all velocities two disks wait for most collisions, at the same time. Only their order is open.
+    for (std::size_t k = 1; k < due_count_; ++k) {
+      for (std::size_t j = k; j > 0 && comes_first(due_[j], due_[j - 1]); --j) std::swap(due_[j], due_[j - 1]);
+    }
+  }
 }
 
-/// Sorts the events by the number of earlier events. Returns false where two have the same time.
+/// Sorts the events by the number of earlier events. Returns false where two have the same time: they are side by side
+/// then, in any order.
 bool Calendar::sort_due() {
   std::array<double, max_counted> times;
   std::array<std::uint64_t, max_counted> places;
@@ -123,7 +131,15 @@ bool Calendar::sort_due() {
     due_[places[k]] = found_[k];
     sum += places[k];
   }
-  return sum == due_count_ * (due_count_ - 1) / 2;
+  if (sum == due_count_ * (due_count_ - 1) / 2) return true;
+  std::uint64_t taken = 0;
+  static_assert(max_counted <= 64);
+  for (std::size_t k = 0; k < due_count_; ++k) {
+    std::uint64_t const place = places[k] + static_cast<std::uint64_t>(std::countr_one(taken >> places[k]));
+    taken |= std::uint64_t{1} << place;
+    due_[place] = found_[k];
+  }
+  return false;
 }
 
 bool Calendar::open_next_group() {
