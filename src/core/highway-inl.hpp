@@ -10,6 +10,7 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -39,6 +40,36 @@ HWY_INLINE unsigned bits_of(Tag tag, hn::Mask<Tag> mask) {
   std::uint16_t bits = 0;
   std::memcpy(&bits, bytes, sizeof bits);
   return bits;
+}
+
+/// The bytes of four 32-bit lanes with those of each mask moved to the front.
+struct MovesToFront {
+  std::uint8_t bytes[16][16];
+};
+constexpr MovesToFront moves_to_front() {
+  MovesToFront moves{};
+  for (unsigned mask = 0; mask < 16; ++mask) {
+    std::size_t count = 0;
+    for (unsigned lane = 0; lane < 4; ++lane) {
+      if ((mask >> lane & 1U) == 0) continue;
+      for (unsigned k = 0; k < 4; ++k) moves.bytes[mask][count++] = static_cast<std::uint8_t>(4 * lane + k);
+    }
+  }
+  return moves;
+}
+alignas(16) inline constexpr MovesToFront to_front = moves_to_front();
+
+/// Stores the lanes of a mask one beside the other, and anything behind them; returns their number. Compilers build the
+/// table of hn::CompressStore() anew for each call.
+template <class V>
+HWY_INLINE std::size_t store_together(V four, hn::Mask<hn::DFromV<V>> mask, std::uint32_t* to) {
+  hn::DFromV<V> const tag;
+  static_assert(hn::MaxLanes(tag) == 4);
+  hn::Repartition<std::uint8_t, decltype(tag)> const as_bytes;
+  unsigned const bits = bits_of(tag, mask);
+  auto const moved = hn::TableLookupBytes(hn::BitCast(as_bytes, four), hn::Load(as_bytes, to_front.bytes[bits]));
+  hn::StoreU(hn::BitCast(tag, moved), tag, to);
+  return static_cast<std::size_t>(std::popcount(bits));
 }
 
 template <class V>

@@ -24,6 +24,7 @@ namespace gridlock::exact::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using gridlock::HWY_NAMESPACE::pairs_of;
 using gridlock::HWY_NAMESPACE::squared_length;
+using gridlock::HWY_NAMESPACE::store_together;
 using gridlock::HWY_NAMESPACE::Vectors;
 
 namespace {
@@ -71,7 +72,7 @@ HWY_INLINE void add_cells(Pairs& pairs, Index i, Index const* slots, std::size_t
     auto const names = hn::LoadU(cell, slot);
     auto const is_after = hn::RebindMask(cell, hn::Gt(hn::BitCast(with_sign, names), before));
     hn::StoreU(self, cell, &pairs.one[pairs.count]);
-    pairs.count += hn::CompressStore(names, is_after, cell, &pairs.other[pairs.count]);
+    pairs.count += store_together(names, is_after, &pairs.other[pairs.count]);
   }
 }
 

@@ -20,6 +20,7 @@ namespace gridlock::exact::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using gridlock::HWY_NAMESPACE::bits_of;
+using gridlock::HWY_NAMESPACE::store_together;
 
 namespace {
 
@@ -52,7 +53,7 @@ HWY_INLINE bool collect(PredictionInput const& s, Index i, Index apart, Candidat
     for (std::size_t k = 0; k < 3 * slots_per_cell; k += slots_per_cell) {
       auto const names = hn::LoadU(cell, run + k);
       auto const is_candidate = hn::And(hn::Ne(names, empty), hn::And(hn::Ne(names, self), hn::Ne(names, other)));
-      count += hn::CompressStore(names, is_candidate, cell, candidates.disks + count);
+      count += store_together(names, is_candidate, candidates.disks + count);
     }
   }
   candidates.count = count;
