@@ -61,9 +61,10 @@ HWY_INLINE Vec distances_at_contact(PredictionInput const& s, Index const* one, 
   return hn::Load(Numbers(), sums);
 }
 
-/// Adds the pairs of disk i with the disks after `last` in cells one beside the other. As a number with a sign an empty
-/// slot is below all disks.
-HWY_INLINE void add_cells(Pairs& pairs, Index i, Index const* slots, std::size_t cells, Index last) {
+/// Adds the pairs of disk i with the disks after `last` in cells one beside the other, behind the first `count` pairs;
+/// returns their new number. As a number with a sign an empty slot is below all disks.
+HWY_INLINE std::size_t add_cells(Pairs& pairs, std::size_t count, Index i, Index const* slots, std::size_t cells,
+                                 Index last) {
   hn::FixedTag<Index, slots_per_cell> const cell;
   hn::RebindToSigned<decltype(cell)> const with_sign;
   auto const self = hn::Set(cell, i);
@@ -71,9 +72,10 @@ HWY_INLINE void add_cells(Pairs& pairs, Index i, Index const* slots, std::size_t
   for (Index const* slot = slots; slot != slots + cells * slots_per_cell; slot += slots_per_cell) {
     auto const names = hn::LoadU(cell, slot);
     auto const is_after = hn::RebindMask(cell, hn::Gt(hn::BitCast(with_sign, names), before));
-    hn::StoreU(self, cell, &pairs.one[pairs.count]);
-    pairs.count += store_together(names, is_after, &pairs.other[pairs.count]);
+    hn::StoreU(self, cell, &pairs.one[count]);
+    count += store_together(names, is_after, &pairs.other[count]);
   }
+  return count;
 }
 
 }  // namespace
@@ -81,12 +83,14 @@ HWY_INLINE void add_cells(Pairs& pairs, Index i, Index const* slots, std::size_t
 /// Contract: there are no lists, and cells have `slots_per_cell` slots.
 Index add(PredictionInput const& s, Index first, Index end, Pairs& pairs) {
   pairs.make_room_for(Pairs::at_once + 5 * slots_per_cell);
+  std::size_t count = pairs.count;  // in a register: through memory each cell would wait for the one before
   do {
     Index const* const own = first_slot_around(s, first) + s.row_stride + slots_per_cell;
-    add_cells(pairs, first, own, 1, first);
-    add_cells(pairs, first, own + slots_per_cell, 1, no_disk);
-    add_cells(pairs, first, own + s.row_stride - slots_per_cell, 3, no_disk);
-  } while (++first < end && pairs.count < Pairs::at_once);
+    count = add_cells(pairs, count, first, own, 1, first);
+    count = add_cells(pairs, count, first, own + slots_per_cell, 1, no_disk);
+    count = add_cells(pairs, count, first, own + s.row_stride - slots_per_cell, 3, no_disk);
+  } while (++first < end && count < Pairs::at_once);
+  pairs.count = count;
   return first;
 }
 
