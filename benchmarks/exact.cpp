@@ -2,11 +2,11 @@
 // collision after equilibration, the state's hash at the end, and the memory of state and engine per disk.
 //
 //     gridlock_bench_exact [N …]        default: 1024 10000 100000 1000000
-//     gridlock_bench_exact --start FILE COLLISIONS BLOCK REPEATS
+//     gridlock_bench_exact --start FILE COLLISIONS BLOCK REPEATS [RESTITUTION]
 //
 // The second form goes on from a file of extended XYZ, for COLLISIONS that do not count and then for REPEATS blocks of
-// BLOCK collisions, and prints the time of each, the compressibility factor βP/ρ and the state's hash: edmd.py reads
-// them.
+// BLOCK collisions, and prints the time of each, the compressibility factor βP/ρ, the mean kinetic energy of a disk and
+// the state's hash: edmd.py and dynamo.py read them.
 
 #include <algorithm>
 #include <cmath>
@@ -42,16 +42,26 @@ State lattice(std::uint64_t n) {
   return state;
 }
 
-/// The nanoseconds of a collision in each of `repeats` blocks of so many collisions, after those counted so far.
-std::vector<double> measure_blocks(Engine& engine, State& state, Counters& counters, std::uint64_t block, int repeats) {
-  std::vector<double> nanoseconds;
+/// The nanoseconds of a collision in each block, by one clock.
+using Nanoseconds = std::vector<double>;
+
+struct Blocks {
+  Nanoseconds processor;
+  Nanoseconds wall;
+};
+
+/// Measures `repeats` blocks of so many collisions, after those counted so far.
+Blocks measure_blocks(Engine& engine, State& state, Counters& counters, std::uint64_t block, int repeats) {
+  Blocks blocks;
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    double const start = processor_seconds();
+    double const processor_start = processor_seconds();
+    double const wall_start = wall_seconds();
     std::uint64_t const before = counters.pair_collisions;
     engine.advance(state, counters, {.pair_collisions = before + block});
-    nanoseconds.push_back(1e9 * (processor_seconds() - start) / static_cast<double>(block));
+    blocks.processor.push_back(1e9 * (processor_seconds() - processor_start) / static_cast<double>(block));
+    blocks.wall.push_back(1e9 * (wall_seconds() - wall_start) / static_cast<double>(block));
   }
-  return nanoseconds;
+  return blocks;
 }
 
 void measure(std::uint64_t n) {
@@ -65,7 +75,7 @@ void measure(std::uint64_t n) {
   std::uint64_t const equilibration = n * (n < 50'000 ? 100 : 10);
   engine->advance(state, counters, {.pair_collisions = equilibration});
   std::uint64_t const block = std::clamp<std::uint64_t>(2 * n, 200'000, 2'000'000);
-  std::vector<double> nanoseconds = measure_blocks(*engine, state, counters, block, repeats);
+  Nanoseconds nanoseconds = measure_blocks(*engine, state, counters, block, repeats).processor;
   std::ranges::sort(nanoseconds);
   double const memory = peak_bytes();
   double const disks = static_cast<double>(n);
@@ -76,20 +86,22 @@ void measure(std::uint64_t n) {
   std::fflush(stdout);
 }
 
-void measure_from(char const* start, std::uint64_t collisions, std::uint64_t block, int repeats) {
+void measure_from(char const* start, std::uint64_t collisions, std::uint64_t block, int repeats, double restitution) {
   State state = read_xyz(start).state;
-  auto const engine = make_engine({.kind = "exact"}, state);
+  EngineSettings const settings{.kind = "exact", .threads = 1, .collisions = {.restitution = restitution}};
+  auto const engine = make_engine(settings, state);
   Counters counters;
   engine->advance(state, counters, {.pair_collisions = collisions});
   double const time_before = state.clock.time;
   double const virial_before = counters.pair_virial;
-  for (double const nanoseconds : measure_blocks(*engine, state, counters, block, repeats)) {
-    std::printf("nanoseconds %.17g\n", nanoseconds);
-  }
-  // βP/ρ = 1 + Σ σ |Δp| / (2 N kT t), and 2 N kT = Σ m v².
+  Blocks const blocks = measure_blocks(*engine, state, counters, block, repeats);
+  for (double const nanoseconds : blocks.processor) std::printf("nanoseconds %.17g\n", nanoseconds);
+  for (double const nanoseconds : blocks.wall) std::printf("nanoseconds_by_the_clock %.17g\n", nanoseconds);
+  // βP/ρ = 1 + Σ σ |Δp| / (2 N kT t), and 2 N kT = Σ m v², for elastic disks.
   double const virial = counters.pair_virial - virial_before;
   double const duration = state.clock.time - time_before;
   std::printf("compressibility_factor %.17g\n", 1.0 + virial / (2.0 * kinetic_energy(state.agents) * duration));
+  std::printf("kinetic_energy %.17g\n", kinetic_energy(state.agents) / static_cast<double>(state.agents.size()));
   std::printf("state_hash %016llx\n", static_cast<unsigned long long>(hash(state)));
 }
 
@@ -97,9 +109,10 @@ void measure_from(char const* start, std::uint64_t collisions, std::uint64_t blo
 }  // namespace gridlock::benchmark
 
 int main(int argument_count, char** arguments) {
-  if (argument_count == 6 && std::string_view(arguments[1]) == "--start") {
+  if ((argument_count == 6 || argument_count == 7) && std::string_view(arguments[1]) == "--start") {
     gridlock::benchmark::measure_from(arguments[2], std::strtoull(arguments[3], nullptr, 10),
-                                      std::strtoull(arguments[4], nullptr, 10), std::atoi(arguments[5]));
+                                      std::strtoull(arguments[4], nullptr, 10), std::atoi(arguments[5]),
+                                      argument_count == 7 ? std::strtod(arguments[6], nullptr) : 1.0);
     return 0;
   }
   std::vector<std::uint64_t> sizes;
