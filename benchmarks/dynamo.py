@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The engine `exact` beside DynamO (Bannerman, Sargant, Lue 2011, doi:10.1002/jcc.21915): grains, one core, in turns.
+"""The engine `exact` beside DynamO (Bannerman and others 2011, doi:10.1002/jcc.21915): grains, one core, in turns.
 
     apt-get install libboost-filesystem-dev libboost-program-options-dev libboost-system-dev libboost-test-dev libbz2-dev libeigen3-dev \
         libjudy-dev
@@ -8,9 +8,9 @@
     git -C DynamO submodule update --init
     benchmarks/dynamo.py DynamO --core 1
 
-The commit is DynamO's last when this was written, of June 2024; its releases for Debian are older. It is built in build-dynamo/, without
-pictures, with -O3 for this processor. Its disks are spheres in one layer of a box that is four diameters high, its own way to two
-dimensions (dynamod --pack-mode 0 with one cell in z): they never leave the layer, and it looks for neighbours in the empty layers too.
+The commit is DynamO's last when this was written, of June 2024. It is built in build-dynamo/, without pictures, with -O3 for this
+processor. Its disks are spheres in one layer of a box that is four diameters high, its own way to two dimensions (dynamod --pack-mode 0
+with one cell in z): they never leave the layer, and it looks for neighbours in the empty layers too.
 
 Both start from one file of `gridlock run`: elastic disks after a hundred collisions each, in a periodic box. Each round runs DynamO to
 --before collisions of a disk and, from the same start, to --collisions more: the difference counts, so that reading and writing
@@ -25,7 +25,6 @@ import dataclasses
 import math
 import os
 import pathlib
-import platform
 import shutil
 import statistics
 import subprocess
@@ -180,18 +179,19 @@ def first_word(command):
 def main():
     parser = result_file.parser_of("exact_against_dynamo", __doc__)
     parser.add_argument("dynamo", type=pathlib.Path, help="a clone of DynamO")
+    parser.add_argument("--programs", type=pathlib.Path, help="where dynarun and dynamod are, if they are built already")
     parser.add_argument("--disks", type=int, default=10_000)
     parser.add_argument("--packing-fraction", type=float, default=0.3)
-    parser.add_argument("--restitutions", nargs="+", type=float, default=[1.0, 0.95, 0.9])
+    parser.add_argument("--restitutions", nargs="+", type=float, default=[0.95, 0.9])
     parser.add_argument("--before", type=int, default=10, help="collisions of a disk before those that count")
-    parser.add_argument("--collisions", type=int, default=60, help="collisions of a disk that count")
+    parser.add_argument("--collisions", type=int, default=40, help="collisions of a disk that count")
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     options.bench = options.build / "benchmarks/gridlock_bench_exact"
     options.program = options.build / "apps/gridlock/gridlock"
     options.pin = result_file.on_core(options)
     WORK.mkdir(exist_ok=True)
-    programs = build_dynamo(options.dynamo.resolve())
+    programs = options.programs or build_dynamo(options.dynamo.resolve())
     start = make_start(options)
     load = os.getloadavg()[0]
     results = result_file.ResultFile(

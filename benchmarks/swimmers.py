@@ -160,9 +160,9 @@ def main():
     parser.add_argument("--packing-fraction", type=float, default=0.5)
     parser.add_argument("--diffusions", nargs="+", type=float, default=[0.02, 0.5],
                         help="of headings: with the first disks gather in clusters, with the second they do not")
-    parser.add_argument("--skins", nargs="+", type=float, default=[0.2, 0.3])
-    parser.add_argument("--mixed", type=int, default=1000, help="steps before the start")
-    parser.add_argument("--steps", type=int, default=200, help="of a block")
+    parser.add_argument("--skins", nargs="+", type=float, default=[0.2])
+    parser.add_argument("--mixed", type=int, default=500, help="steps before the start")
+    parser.add_argument("--steps", type=int, default=50, help="of a block")
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     options.bench = options.build / "benchmarks/gridlock_bench_swimmers"
