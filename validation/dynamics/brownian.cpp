@@ -72,7 +72,7 @@ void diffusion_of_fluids() {
         Fluid{0.2, {{{0.6847, 0.0022}, {0.6678, 0.0039}, {0.8438, 0.0006}, {0.7318, 0.0011}}}},
         Fluid{0.3, {{{0.5591, 0.0018}, {0.5474, 0.0027}, {0.7404, 0.0004}, {0.5980, 0.0009}}}},
         Fluid{0.5, {{{0.3340, 0.0015}, {0.3294, 0.0023}, {0.4789, 0.0003}, {0.3475, 0.0008}}}}}) {
-    auto const found = means(24, [&](std::uint64_t seed) {
+    auto const found = means(24, [packing_fraction = packing_fraction](std::uint64_t seed) {
       return diffusion_in_windows(packing_fraction, 0.1, windows.size(), 100.0, seed);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -127,7 +127,7 @@ void diffusion_without_an_interval() {
 void pressures_of_brownian_disks() {
   for (auto const& [packing_fraction, expected] :
        {std::pair{0.1, 1.234}, std::pair{0.2, 1.570}, std::pair{0.4, 2.824}}) {
-    auto const found = means(16, [&](std::uint64_t seed) -> Numbers {
+    auto const found = means(16, [packing_fraction = packing_fraction](std::uint64_t seed) -> Numbers {
       State state = fluid(256, packing_fraction, seed);
       Counters counters;
       make_engine(brownian(0.05), state)->advance(state, counters, {.time = 1000.0});
@@ -167,14 +167,15 @@ void swimmers() {
   struct Crowd {
     double packing_fraction;
     double peclet;
-    std::array<double, intervals.size()> speed;
+    std::array<double, 3> speed;
   };
   for (auto const& [packing_fraction, peclet, expected] :
        {Crowd{0.2, 10.0, {0.756, 0.770, 0.767}}, Crowd{0.2, 40.0, {0.723, 0.769, 0.778}},
         Crowd{0.4, 10.0, {0.517, 0.539, 0.548}}, Crowd{0.4, 40.0, {0.468, 0.522, 0.528}}}) {
     for (std::size_t k = 0; k < intervals.size(); ++k) {
-      auto const found =
-          means(10, [&](std::uint64_t seed) { return effective_speed(packing_fraction, peclet, intervals[k], seed); });
+      auto const found = means(10, [&, packing_fraction = packing_fraction, peclet = peclet](std::uint64_t seed) {
+        return effective_speed(packing_fraction, peclet, intervals[k], seed);
+      });
       within(fmt::format("v/v0 at phi {} Pe {} interval {}", packing_fraction, peclet, intervals[k]), found[0],
              expected[k], 0.015);
     }

@@ -170,7 +170,7 @@ void lorentz_gases() {
   };
   for (auto const& [w, rate, diffusion] :
        {Gas{0.1, 2.951684, 0.0991}, Gas{0.2, 1.904816, 0.1689}, Gas{0.3, 1.389196, 0.2483}}) {
-    auto const found = means(36, [&](std::uint64_t seed) { return lorentz_gas(w, seed); });
+    auto const found = means(36, [w = w](std::uint64_t seed) { return lorentz_gas(w, seed); });
     within_errors(fmt::format("rate in the Lorentz gas w {}", w), found[0], {rate, 0.0});
     within(fmt::format("D of the Lorentz gas w {}", w), found[1], diffusion, 0.03 * diffusion);
   }

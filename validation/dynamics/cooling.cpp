@@ -32,9 +32,10 @@ double transverse_mode(State const& state) {
   return std::norm(sum) / (static_cast<double>(state.agents.size()) * temperature(state));
 }
 
+constexpr std::array collisions{5.0, 20.0, 50.0, 100.0, 200.0, 400.0};  ///< of a disk
+
 /// Haff's law T = (1 + t/t₀)^−2, 1/t₀ = (1 − e²) ω₀/4, and T = exp(−(1 − e²) τ/2) after τ collisions a disk.
 void haffs_law() {
-  constexpr std::array collisions{5.0, 20.0, 50.0, 100.0, 200.0, 400.0};
   struct Gas {
     double restitution;
     double packing_fraction;
@@ -98,7 +99,7 @@ void haffs_law() {
 /// instants of the independent program, and the first Sonine approximation (van Noije & Ernst 1998).
 void fourth_moments() {
   for (auto const& [e, expected] : {std::pair{0.95, -0.021}, std::pair{0.9, -0.030}, std::pair{0.7, 0.0043}}) {
-    auto const found = means(240, [&](std::uint64_t seed) -> Numbers {
+    auto const found = means(240, [e = e](std::uint64_t seed) -> Numbers {
       State state = fluid(1000, 0.02, seed);
       auto const engine = make_engine(grains(e), state);
       Counters counters;

@@ -109,7 +109,8 @@ void column_of_disks() {
   for (auto const& [name, thermostat] :
        {Bath{"brownian", {.kind = ThermostatKind::brownian, .temperature = 1.0, .interval = 3.0}},
         Bath{"andersen", {.kind = ThermostatKind::andersen, .temperature = 1.0, .rate = 1.0 / 3.0}}}) {
-    auto const found = means(24, [&](std::uint64_t seed) { return falling_disks(thermostat, time, seed); });
+    auto const found =
+        means(24, [&, thermostat = thermostat](std::uint64_t seed) { return falling_disks(thermostat, time, seed); });
     within_errors("pressure of the floor: " + name, found[0], {2.670, 0.004});
     within_errors("pressure of the lid: " + name, found[1], {0.00455, 0.00012});
     within_errors("mean height: " + name, found[2], {13.453, 0.011});
