@@ -74,7 +74,8 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
 /// Predicts the event of every disk. No disk may wait for an event yet; their order does not matter. Of two disks that
 /// touch first, each predicts the collision, and the first of the two events serves both.
 void Flight::predict_all(double time) {
-  if (time == 0.0 && !is_growing() && has_room_for_registers(prediction_input_)) {
+  // Lists may name a disk whose list does not name them, and then each disk finds its own event.
+  if (time == 0.0 && !is_growing() && !has_lists() && has_room_for_registers(prediction_input_)) {
     predict_all_at_zero();
     return;
   }
@@ -89,7 +90,7 @@ void Flight::predict_all(double time) {
   complete_predictions(time);
 }
 
-/// The same at the start of an epoch, when no disk has been hit: each pair is looked at once for both its disks.
+/// The same at the start of an epoch, when no disk has been hit, from cells: each pair is looked at once for both its disks.
 void Flight::predict_all_at_zero() {
   PredictionInput const& s = prediction_input_;
   NearPairs const near = near_pairs_for(target(), s);

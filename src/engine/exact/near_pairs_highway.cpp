@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <span>
 
 #include "engine/exact/candidates.hpp"
 #include "engine/exact/earliest_contact.hpp"
@@ -80,7 +79,7 @@ HWY_INLINE std::size_t add_cells(Pairs& pairs, std::size_t count, Index i, Index
 
 }  // namespace
 
-/// Contract: there are no lists, and cells have `slots_per_cell` slots.
+/// Contract: cells have `slots_per_cell` slots.
 Index add(PredictionInput const& s, Index first, Index end, Pairs& pairs) {
   pairs.make_room_for(Pairs::at_once + 5 * slots_per_cell);
   std::size_t count = pairs.count;  // in a register: through memory each cell would wait for the one before
@@ -127,15 +126,9 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Works with lists and with any number of slots.
+/// Works with any number of slots.
 Index add_plain(PredictionInput const& s, Index first, Index end, Pairs& pairs) {
   do {
-    if (s.neighbours != nullptr) {
-      std::span<Index const> const names = s.neighbours_of(first);
-      pairs.make_room_for(names.size());
-      for (Index const j : names) pairs.add(first, j, j > first);
-      continue;
-    }
     pairs.make_room_for(5 * s.capacity);
     Index const* const own = first_slot_around(s, first) + s.row_stride + s.capacity;
     auto const add_slots = [&](Index const* slots, std::size_t cells) {
@@ -182,7 +175,7 @@ NearPairs near_pairs_for([[maybe_unused]] Target target, [[maybe_unused]] Predic
 #if HWY_TARGETS & HWY_NEON
   if (target == Target::neon) kernels = {N_NEON::add, N_NEON::find_times};
 #endif
-  if (s.neighbours != nullptr || s.capacity != slots_per_cell) kernels.add = add_plain;
+  if (s.capacity != slots_per_cell) kernels.add = add_plain;
   return kernels;
 }
 
