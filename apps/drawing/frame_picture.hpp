@@ -25,7 +25,7 @@ class FramePainter {
   void name_kinds(std::vector<std::string> names) { kind_names_ = std::move(names); }
 
   /// Draws these walls inside the box, which no frame has.
-  void show_walls(std::vector<WallSettings> walls) { walls_ = std::move(walls); }
+  void show_walls(std::vector<LineSegment> walls) { walls_ = std::move(walls); }
 
   /// Returns whether colours represent numbers, which need a colour bar.
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
@@ -46,7 +46,7 @@ class FramePainter {
   Frame first_;
   std::string colour_;
   std::vector<std::string> kind_names_;
-  std::vector<WallSettings> walls_;
+  std::vector<LineSegment> walls_;
   double mark_;  ///< radius of the mark for agents without a radius
   double least_ = 0.0;
   double most_ = 0.0;

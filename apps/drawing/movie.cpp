@@ -153,17 +153,20 @@ class Encoder {
 
 /// Returns the walls inside the box by the settings that a trajectory keeps; none by settings that this version cannot
 /// read, for its disks can be drawn all the same.
-std::vector<WallSettings> walls_of(H5mdReader const& trajectory) {
-  std::vector<WallSettings> walls;
+std::vector<LineSegment> walls_of(H5mdReader const& trajectory) {
+  std::vector<LineSegment> lines;
   try {
     SettingsFile const file = SettingsFile::from_text(trajectory.settings().configuration, "the trajectory");
-    if (file.is_given("walls")) walls = read_configuration(file).engine.walls;
+    if (!file.is_given("walls")) return {};
+    for (auto const& wall : read_configuration(file).engine.walls) {
+      // No run has others, but a file may be damaged.
+      if (wall.from.size() != 2 || wall.to.size() != 2) continue;
+      lines.push_back({{wall.from[0], wall.from[1]}, {wall.to[0], wall.to[1]}});
+    }
   } catch (Error const&) {
     return {};
   }
-  // No run has others, but a file may be damaged.
-  std::erase_if(walls, [](WallSettings const& wall) { return wall.from.size() != 2 || wall.to.size() != 2; });
-  return walls;
+  return lines;
 }
 
 /// Makes a movie of a trajectory.

@@ -339,8 +339,8 @@ class Picture {
   /// Draws walls that disks meet on both sides, thinner than those of the box, so that a disk visibly touches them.
   void draw_inner_walls(Canvas& canvas) const {
     Stroke const stroke{.colour = ink, .width = 2.4 * at_.unit};
-    for (WallSettings const& wall : settings_.walls) {
-      canvas.line(to_pixels({wall.from[0], wall.from[1]}), to_pixels({wall.to[0], wall.to[1]}), stroke);
+    for (LineSegment const& wall : settings_.walls) {
+      canvas.line(to_pixels(wall.from), to_pixels(wall.to), stroke);
     }
   }
 

@@ -9,7 +9,6 @@
 
 #include "drawing/canvas.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/engine/grains.hpp"
 
 namespace gridlock {
 
@@ -24,16 +23,21 @@ enum class Colouring {
 
 inline constexpr std::size_t max_kinds = 8;  ///< number of distinct colours for kinds
 
+struct LineSegment {
+  Vector from;
+  Vector to;
+};
+
 /// Settings of a picture.
 struct PictureSettings {
   std::uint32_t width = 720;  ///< in pixels; text and lines grow with it
   Colouring colouring = Colouring::radius;
-  std::uint64_t columns = 0;         ///< columns of the grid, drawn if its cells have at least 4 pixels; 0: none
-  std::uint64_t rows = 0;            ///< rows of the grid; 0: none
-  std::span<double const> values;    ///< values, directions, kinds: one for each row of state.agents; disks without a
-                                     ///< finite value are grey
-  std::span<Vector const> headings;  ///< one for each row, shown as a dot near the rim; empty: none
-  std::span<WallSettings const> walls;  ///< inside the box
+  std::uint64_t columns = 0;           ///< columns of the grid, drawn if its cells have at least 4 pixels; 0: none
+  std::uint64_t rows = 0;              ///< rows of the grid; 0: none
+  std::span<double const> values;      ///< values, directions, kinds: one for each row of state.agents; disks without a
+                                       ///< finite value are grey
+  std::span<Vector const> headings;    ///< one for each row, shown as a dot near the rim; empty: none
+  std::span<LineSegment const> walls;  ///< inside the box
   std::optional<double> min;  ///< lower end of the colour bar; default: the smallest value, or 0 if none is negative
   std::optional<double> max;  ///< upper end of the bar, or last listed kind; default: the largest value
   std::string bar_label;      ///< label of the colour bar

@@ -132,7 +132,7 @@ void require_room_beside_walls(State const& state, std::span<WallSettings const>
       if (distance >= radius * (1.0 - rounding_at_walls) || is_fixed(disks, i)) return;
       throw Error({.what = fmt::format("disk {} at ({:.6g}, {:.6g}) of radius {:.6g} overlaps {} by {:.3g}",
                                        disks.ids()[i], p.x, p.y, radius, to_text(wall), radius - distance),
-                   .hint = "move the wall, or start with fewer or smaller disks, or from a file",
+                   .hint = "move the wall, or start in a part of the box (disks.region), or from a file",
                    .key = "walls"});
     });
   }

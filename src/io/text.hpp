@@ -56,11 +56,13 @@ inline std::string dotted(std::string_view table, std::string_view key) {
 /// Returns a line of the user's file for error messages, without spaces at both ends, up to the first non-text byte.
 inline std::string shown_line(std::string_view line) {
   constexpr std::string_view blanks = " \t\r";
+  constexpr std::size_t shown = 100;
   std::size_t const begin = line.find_first_not_of(blanks);
   if (begin == std::string_view::npos) return "";
   line = line.substr(begin, line.find_last_not_of(blanks) + 1 - begin);
-  std::size_t const length = text_length(line);
-  return cut(line.substr(0, length), 100) + (length > 0 && length < std::min<std::size_t>(line.size(), 100) ? "…" : "");
+  // Lines are quoted for each value in them, and may be long.
+  std::size_t const length = text_length(line.substr(0, 2 * shown));
+  return cut(line.substr(0, length), shown) + (length > 0 && length < std::min(line.size(), shown) ? "…" : "");
 }
 
 }  // namespace gridlock

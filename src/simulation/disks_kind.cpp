@@ -345,6 +345,7 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
                  DisksOverview const& disks) {
   require_clock(clock, disks, setup.start_file, settings);
   require_short_substeps(settings, disks);
+  require_countable_turns(settings, disks);
   if (auto note = misleading_rule(box, disks, settings)) setup.notes.push_back(*std::move(note));
   if (auto note = may_collapse(settings.collisions)) setup.notes.push_back(*std::move(note));
   if (auto note = motion_by_propulsion(settings, disks)) setup.notes.push_back(*std::move(note));

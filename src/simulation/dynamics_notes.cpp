@@ -31,6 +31,11 @@ double mean_of(std::vector<double> const& values) {
   return sum;
 }
 
+double time_between_turns(EngineSettings const& settings, DisksOverview const& disks) {
+  bool const has_steps = engine_record(settings.kind).has_time_step;
+  return has_steps ? step_duration(settings, disks.radii.smallest) : settings.thermostat.interval.value_or(0.0);
+}
+
 }  // namespace
 
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
@@ -97,7 +102,8 @@ void require_floor(EngineSettings const& settings, State const& state) {
     throw Error(
         {.what = fmt::format("gravity.{} = {} along periodic edges: the disks would fall without end, ever faster",
                              axis, gravity),
-         .hint = fmt::format("use walls along this axis, a thermostat, or losses and fixed disks"),
+         .hint =
+             fmt::format("use walls along this axis, a thermostat, or losses with fixed disks or walls inside the box"),
          .key = fmt::format("gravity.{}", axis)});
   };
   if (is_held) return;
@@ -105,12 +111,25 @@ void require_floor(EngineSettings const& settings, State const& state) {
   if (settings.gravity.y != 0.0 && state.box.is_periodic_y()) refuse("y", settings.gravity.y);
 }
 
+void require_countable_turns(EngineSettings const& settings, DisksOverview const& disks) {
+  constexpr double max_width = 100.0;
+  if (!settings.propulsion.is_on() || disks.count == 0) return;
+  double const duration = time_between_turns(settings, disks);
+  double const width = turn_width(settings.propulsion, duration);
+  if (width <= max_width) return;
+  throw Error(
+      {.what = fmt::format("headings would turn by about {:.3g} radians at once, more than {}", width, max_width),
+       .hint = fmt::format("use a rotational diffusion below {:.3g}; above {:.3g} headings are random at every "
+                           "turn",
+                           0.5 * max_width * max_width / duration, 0.5 * 10.0 / duration),
+       .key = "propulsion.rotational_diffusion"});
+}
+
 std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksOverview const& disks) {
   PropulsionSettings const& propulsion = settings.propulsion;
   if (!propulsion.is_on() || disks.count == 0) return std::nullopt;
   bool const has_steps = engine_record(settings.kind).has_time_step;
-  double const duration =
-      has_steps ? step_duration(settings, disks.radii.smallest) : settings.thermostat.interval.value_or(0.0);
+  double const duration = time_between_turns(settings, disks);
   double const diameter = 2.0 * disks.radii.smallest;
   return Event{.kind = EventKind::propulsion,
                .key = "propulsion.speed",

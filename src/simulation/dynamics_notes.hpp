@@ -18,6 +18,9 @@ std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Di
 /// motion in continuous time. Contract: a thermostat is resolved.
 std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksOverview const& disks);
 
+/// Throws Error for headings that turn by so large an angle that it cannot be told modulo a full turn.
+void require_countable_turns(EngineSettings const& settings, DisksOverview const& disks);
+
 /// Returns a note where collisions may come without end. With e of 0.95 or more that takes more disks than runs have.
 std::optional<Event> may_collapse(CollisionSettings const& collisions);
 

@@ -172,7 +172,7 @@ std::string text_of_setup(Event const& event) {
           of.number("restitution"));
     case EventKind::lasting_contacts:
       return fmt::format(
-          "about {:.2g} % of the collisions lose no energy, for a disk collides once in {:.3g} at the "
+          "about {:.0f} % of the collisions lose no energy, for a disk collides once in {:.3g} at the "
           "start; a shorter collisions.contact_time makes them fewer",
           of.number("percent"), of.number("mean_free_time"));
     case EventKind::propulsion:

@@ -135,8 +135,8 @@ void Dynamics::read_obstacles(State const& state, std::span<Obstacle const> wall
   if (!all_obstacles_.empty()) obstacles_ = &all_obstacles_;
 }
 
-/// Returns the longest epoch allowed. It depends on the motion alone: the squared speeds count as if they were summed in
-/// the order of the Ids, which is not the order in memory.
+/// Returns the longest epoch allowed. It depends on the motion alone: the squared speeds count as if they were summed
+/// in the order of the Ids, which is not the order in memory.
 double Dynamics::longest_epoch() const {
   auto const squared_speed = [this](Index i) {
     return disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;

@@ -90,7 +90,8 @@ void Flight::predict_all(double time) {
   complete_predictions(time);
 }
 
-/// The same at the start of an epoch, when no disk has been hit, from cells: each pair is looked at once for both its disks.
+/// The same at the start of an epoch, when no disk has been hit, from cells: each pair is looked at once for both its
+/// disks.
 void Flight::predict_all_at_zero() {
   PredictionInput const& s = prediction_input_;
   NearPairs const near = near_pairs_for(target(), s);

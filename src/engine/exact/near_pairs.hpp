@@ -34,8 +34,8 @@ struct Pairs {
   }
 };
 
-/// Kernels that look at each pair of two near disks once, from cells without lists. All give the same pairs, in the same
-/// order, and the same bits.
+/// Kernels that look at each pair of two near disks once, from cells without lists. All give the same pairs, in the
+/// same order, and the same bits.
 struct NearPairs {
   /// Adds the pairs of disk `first`, and of those after it while there are fewer than Pairs::at_once, with the disks
   /// behind them: those later in the cell, and those in the four cells to the right and above. Returns the

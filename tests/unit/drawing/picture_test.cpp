@@ -254,7 +254,7 @@ TEST(Picture, HasTheWallsInsideTheBoxWhereTheirDisksTouchThem) {
   state.box = Box(2.0, 1.0, Edge::wall);
   for (auto const& [x, y] : {std::pair{0.2, 0.9}, {1.5, 0.3}, {1.9, 0.0}, {1.9, 0.8}})
     state.agents.add(x, y, 0, 0, 0.01, 1, 0, 0);
-  std::vector<WallSettings> const walls{{.from = {0.2, 0.9}, .to = {1.5, 0.3}}, {.from = {1.9, 0.0}, .to = {1.9, 0.8}}};
+  std::vector<LineSegment> const walls{{.from = {0.2, 0.9}, .to = {1.5, 0.3}}, {.from = {1.9, 0.0}, .to = {1.9, 0.8}}};
   RecordingCanvas const canvas = drawn(state, {.walls = walls});
   ASSERT_EQ(canvas.lines.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {

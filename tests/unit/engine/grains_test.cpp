@@ -159,6 +159,19 @@ TEST(Gravity, ThatMakesFallsTooShortToCountIsRefused) {
   EXPECT_THROW(set_up(configuration), Error);
 }
 
+TEST(Propulsion, WithTurnsTooLargeToTellIsRefused) {
+  for (char const* const kind : {"stepped", "tiled", "exact"}) {
+    Configuration swimmers;
+    swimmers.disks = {.count = 20, .packing_fraction = 0.2};
+    swimmers.engine.kind = kind;
+    if (swimmers.engine.kind == "exact") swimmers.engine.thermostat.kind = ThermostatKind::brownian;
+    swimmers.engine.propulsion = {.speed = 1.0, .rotational_diffusion = 1e20};
+    EXPECT_THROW(set_up(swimmers), Error) << kind;
+    swimmers.engine.propulsion.rotational_diffusion = 1e3;
+    EXPECT_NO_THROW(set_up(swimmers)) << kind;
+  }
+}
+
 TEST(Region, HoldsTheWholeStartWhateverItsKind) {
   for (StartKind const start : {StartKind::square, StartKind::triangular, StartKind::random}) {
     DisksSettings const disks{.count = 50, .packing_fraction = 0.4, .start = start, .region = {1.0, 0.5, 2.5, 1.5}};
