@@ -213,10 +213,11 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters
 void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.agents.ids()));
   HeadingStep of_step{};
-  Obstacles const walls = walls_of(settings_.walls, state.box, radius_range(state.agents).largest);
+  RadiusRange const radii = radius_range(state.agents);
+  Obstacles const walls = walls_of(settings_.walls, state.box, radii.largest);
   TurnView const view = disks.view(state.box, settings_, duration_, of_step, walls);
   auto grid = grid_of<LinkedGrid>(layout_, disks);
-  Cutoff const cutoff(state.box, radius_range(state.agents).largest, duration_, settings_.substeps);
+  Cutoff const cutoff(state.box, radii.largest, duration_, settings_.substeps);
   take_turns(state, disks, counters, stop_condition, of_step, [&](std::size_t i, double squared_speed) {
     double const distance = cutoff.of(disks[i].radius, squared_speed);
     int const columns = layout_.columns_within(distance);
@@ -232,10 +233,11 @@ void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondi
 void SteppedEngine::advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.agents.ids()));
   HeadingStep of_step{};
-  Obstacles const walls = walls_of(settings_.walls, state.box, radius_range(state.agents).largest);
+  RadiusRange const radii = radius_range(state.agents);
+  Obstacles const walls = walls_of(settings_.walls, state.box, radii.largest);
   TurnView const view = disks.view(state.box, settings_, duration_, of_step, walls);
   auto grid = grid_of<PackedGrid>(layout_, disks);
-  PackedTurns turns(view, grid, radius_range(state.agents), duration_);
+  PackedTurns turns(view, grid, radii, duration_);
   take_turns(state, disks, counters, stop_condition, of_step, [&](std::size_t i, double squared_speed) {
     if (turns.is_local(i, squared_speed)) {
       turns.take(turns.prepare(i), counters);

@@ -98,13 +98,14 @@ void TiledEngine::lay_out(State const& state) {
 }
 
 tiled::TurnRule TiledEngine::rule_of(State const& state) const {
+  RadiusRange const radii = radius_range(state.agents);
   return {.box = state.box,
           .duration = duration_,
           .substeps = settings_.substeps,
           .contact = settings_.contact,
-          .radii = radius_range(state.agents),
+          .radii = radii,
           .heading = heading_rule(settings_.propulsion, duration_, state.seed),
-          .walls = walls_of(settings_.walls, state.box, radius_range(state.agents).largest)};
+          .walls = walls_of(settings_.walls, state.box, radii.largest)};
 }
 
 void TiledEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
