@@ -39,4 +39,10 @@ std::optional<double> temperature(Box const& box, AgentsView const& agents) {
   return temperature_without_drift(box, agents.size(), energy, momentum(agents), total_mass(agents));
 }
 
+double mean_mass(Disks const& disks) {
+  double sum = 0.0;
+  for (double const mass : disks.column<Mass>()) sum += is_fixed(mass) ? 0.0 : mass;
+  return sum / static_cast<double>(disks.size() - count_of_fixed(disks));
+}
+
 }  // namespace gridlock

@@ -26,4 +26,7 @@ std::optional<double> temperature_between_walls(std::size_t agents, double kinet
 std::optional<double> temperature_without_drift(Box const& box, std::size_t agents, double kinetic_energy,
                                                 Vector momentum, double mass);
 
+/// Returns the mean mass of the disks that move. Contract: some do.
+double mean_mass(Disks const& disks);
+
 }  // namespace gridlock

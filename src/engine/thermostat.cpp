@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/magnitude.hpp"
+#include "core/temperature.hpp"
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
@@ -17,13 +18,6 @@ namespace {
 constexpr double default_flight = 0.05;
 
 constexpr std::array<std::string_view, 3> kinds{"none", "andersen", "brownian"};
-
-/// Returns the mean mass of the disks that move.
-double mean_mass(Disks const& disks) {
-  double sum = 0.0;
-  for (double const mass : disks.column<Mass>()) sum += is_fixed(mass) ? 0.0 : mass;
-  return sum / static_cast<double>(disks.size() - count_of_fixed(disks));
-}
 
 /// Kicks that come so often that disks do not move between them would never end. `speed` is in diameters per time.
 void require_countable_kicks(ThermostatSettings const& settings, double speed, double now) {

@@ -122,8 +122,7 @@ void describe(Configuration& configuration, SettingVisitor& visitor) {
   }
   visitor.visit_tables(
       {.key = "walls",
-       .documentation = "Walls inside the box, for hard disks: lines of which disks meet both sides "
-                        "and both ends.",
+       .documentation = "Walls inside the box, for hard disks: lines of which disks meet both sides and both ends.",
        .default_note = "none"},
       configuration.engine.walls.size(), [&](std::size_t count) { configuration.engine.walls.resize(count); },
       [&](std::size_t k, SettingVisitor& inner) { describe(configuration.engine.walls[k], inner); });

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
-#include <vector>
 
+#include "core/temperature.hpp"
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
@@ -19,18 +19,6 @@ namespace {
 /// is linear in the path (docs/explanation/thermostats.md).
 constexpr double error_per_flight = 0.4;
 
-std::vector<double> moving_masses(Disks const& disks) {
-  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
-  std::erase_if(masses, [](double m) { return is_fixed(m); });
-  return masses;
-}
-
-double mean_of(std::vector<double> const& values) {
-  double sum = 0.0;
-  for (double const value : values) sum += value / static_cast<double>(values.size());
-  return sum;
-}
-
 double time_between_turns(EngineSettings const& settings, DisksOverview const& disks) {
   bool const has_steps = engine_record(settings.kind).has_time_step;
   return has_steps ? step_duration(settings, disks.radii.smallest) : settings.thermostat.interval.value_or(0.0);
@@ -40,10 +28,10 @@ double time_between_turns(EngineSettings const& settings, DisksOverview const& d
 
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
   if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
-  std::vector<double> const masses = moving_masses(disks);
-  double const mass = mean_of(masses);
-  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return m != masses[0]; });
-  BrownianScales const scales = brownian_scales(settings, mass, 2.0 * radius_range(disks).smallest);
+  auto const masses = disks.column<Mass>();
+  double const first = *std::ranges::find_if_not(masses, [](double mass) { return is_fixed(mass); });
+  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return !is_fixed(m) && m != first; });
+  BrownianScales const scales = brownian_scales(settings, mean_mass(disks), 2.0 * radius_range(disks).smallest);
   return Event{.kind = EventKind::thermostat,
                .key = "thermostat.interval",
                .values = {{"kind", std::string(to_text(settings.kind))},
@@ -64,9 +52,9 @@ std::optional<Event> may_collapse(CollisionSettings const& collisions) {
 std::optional<Event> lasting_contacts(EngineSettings const& settings, State const& state) {
   constexpr double noted_share = 0.05;
   CollisionSettings const& collisions = settings.collisions;
-  std::vector<double> const masses = moving_masses(state.agents);
-  if (!collisions.lose_energy() || !(collisions.contact_time > 0.0) || masses.empty()) return std::nullopt;
-  auto const count = static_cast<double>(masses.size());
+  if (!collisions.lose_energy() || !(collisions.contact_time > 0.0)) return std::nullopt;
+  auto const count = static_cast<double>(state.agents.size() - count_of_fixed(state.agents));
+  if (count == 0.0) return std::nullopt;
   double const temperature = settings.thermostat.temperature.value_or(kinetic_energy(state.agents) / count);
   double const diameter = 2.0 * radius_range(state.agents).largest;
   double const density = count / state.box.area();
@@ -74,7 +62,7 @@ std::optional<Event> lasting_contacts(EngineSettings const& settings, State cons
   // The rate of Enskog with the contact value of Henderson (1975, doi:10.1080/00268977500102511).
   double const contact_value = (1.0 - 7.0 * filled / 16.0) / ((1.0 - filled) * (1.0 - filled));
   double const rate =
-      2.0 * diameter * density * contact_value * std::sqrt(std::numbers::pi * temperature / mean_of(masses));
+      2.0 * diameter * density * contact_value * std::sqrt(std::numbers::pi * temperature / mean_mass(state.agents));
   double const share = -std::expm1(-2.0 * rate * collisions.contact_time);
   if (share < noted_share) return std::nullopt;
   return Event{.kind = EventKind::lasting_contacts,
