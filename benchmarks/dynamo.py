@@ -171,11 +171,6 @@ def race(options, programs, start, restitution):
                f"{statistics.median(contestant.clock):.1f},{speed_up:.2f},{contestant.kinetic_energy:.4g},{contestant.state_hash}")
 
 
-def first_word(command):
-    """The first word that a program prints."""
-    return subprocess.run(command, text=True, capture_output=True).stdout.split()[0]
-
-
 def main():
     parser = result_file.parser_of("exact_against_dynamo", __doc__)
     parser.add_argument("dynamo", type=pathlib.Path, help="a clone of DynamO")
@@ -186,19 +181,17 @@ def main():
     parser.add_argument("--before", type=int, default=10, help="collisions of a disk before those that count")
     parser.add_argument("--collisions", type=int, default=40, help="collisions of a disk that count")
     parser.add_argument("--rounds", type=int, default=5)
-    options = parser.parse_args()
-    options.bench = options.build / "benchmarks/gridlock_bench_exact"
-    options.program = options.build / "apps/gridlock/gridlock"
-    options.pin = result_file.on_core(options)
+    options = result_file.options_of(parser, "gridlock_bench_exact")
     WORK.mkdir(exist_ok=True)
     programs = options.programs or build_dynamo(options.dynamo.resolve())
     start = make_start(options)
     load = os.getloadavg()[0]
+    commit = result_file.first_word(["git", "-C", options.dynamo, "rev-parse", "--short", "HEAD"])
+    compiler = result_file.first_word(["g++", "-dumpfullversion"])
     results = result_file.ResultFile(
         options.output,
-        f"DynamO {first_word(['git', '-C', options.dynamo, 'rev-parse', '--short', 'HEAD'])}, g++ {first_word(['g++', '-dumpfullversion'])} "
-        f"-O3 -march=native; {options.rounds} rounds in turns; {load:.1f} programs at work on {os.cpu_count()} cores at the beginning; "
-        "benchmarks/dynamo.py")
+        f"DynamO {commit}, g++ {compiler} -O3 -march=native; {options.rounds} rounds in turns; {load:.1f} programs at work on "
+        f"{os.cpu_count()} cores at the beginning; benchmarks/dynamo.py")
     results.write("benchmark,name,n,packing_fraction,restitution,nanoseconds_min,nanoseconds_median,clock_min,clock_median,speed_up,"
                   "kinetic_energy,state_hash")
     for restitution in options.restitutions:

@@ -312,11 +312,6 @@ def race(case, start, n, options, targets):
                f"{contestant.result}")
 
 
-def first_word(command):
-    """The first word that a program prints."""
-    return subprocess.run(command, text=True, capture_output=True).stdout.split()[0]
-
-
 def main():
     parser = result_file.parser_of("exact_against_edmd", __doc__)
     parser.add_argument("edmd", type=pathlib.Path, help="a clone of EDMD")
@@ -325,17 +320,15 @@ def main():
     parser.add_argument("--shells", nargs="+", type=float, default=[1.3, 1.4, 1.5, 1.7, 2.0, 2.4, 2.8])
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--repeats", type=int, default=3, help="blocks of collisions a program measures in a round")
-    options = parser.parse_args()
-    options.bench = options.build / "benchmarks/gridlock_bench_exact"
-    options.program = options.build / "apps/gridlock/gridlock"
-    options.pin = result_file.on_core(options)
+    options = result_file.options_of(parser, "gridlock_bench_exact")
     WORK.mkdir(exist_ok=True)
     reduce_to_two_dimensions(options.edmd)
     targets = targets_here(options.program)
-    commit = first_word(["git", "-C", options.edmd, "rev-parse", "--short", "HEAD"])
+    commit = result_file.first_word(["git", "-C", options.edmd, "rev-parse", "--short", "HEAD"])
+    compiler = result_file.first_word([COMPILER, "-dumpfullversion"])
     results = result_file.ResultFile(
         options.output,
-        f"EDMD (Smallenburg) {commit}, single-event variant reduced to two dimensions, gcc {first_word([COMPILER, '-dumpfullversion'])} "
+        f"EDMD (Smallenburg) {commit}, single-event variant reduced to two dimensions, gcc {compiler} "
         f"-Ofast -funroll-loops; {options.rounds} rounds of {options.repeats} in turns; benchmarks/edmd.py",
     )
     results.write("benchmark,name,disks,n,packing_fraction,nanoseconds_min,nanoseconds_median,speed_up,baseline,"

@@ -3,6 +3,7 @@
 import argparse
 import pathlib
 import platform
+import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -19,6 +20,20 @@ def parser_of(script, documentation):
 def on_core(options):
     """What comes before a command."""
     return [] if options.core is None else ["taskset", "-c", str(options.core)]
+
+
+def options_of(parser, benchmark):
+    """The options of the command line, with the benchmark and the program of the build, and what comes before a command."""
+    options = parser.parse_args()
+    options.bench = options.build / "benchmarks" / benchmark
+    options.program = options.build / "apps/gridlock/gridlock"
+    options.pin = on_core(options)
+    return options
+
+
+def first_word(command):
+    """The first word that a program prints."""
+    return subprocess.run(command, text=True, capture_output=True).stdout.split()[0]
 
 
 def processor():

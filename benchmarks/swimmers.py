@@ -164,10 +164,7 @@ def main():
     parser.add_argument("--mixed", type=int, default=500, help="steps before the start")
     parser.add_argument("--steps", type=int, default=50, help="of a block")
     parser.add_argument("--rounds", type=int, default=5)
-    options = parser.parse_args()
-    options.bench = options.build / "benchmarks/gridlock_bench_swimmers"
-    options.program = options.build / "apps/gridlock/gridlock"
-    options.pin = result_file.on_core(options)
+    options = result_file.options_of(parser, "gridlock_bench_swimmers")
     WORK.mkdir(exist_ok=True)
     version = subprocess.run([options.lmp, "-help"], text=True, capture_output=True).stdout
     version = next(line.split(" - ", 1)[1] for line in version.splitlines() if line.startswith("Large-scale"))
