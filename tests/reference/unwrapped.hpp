@@ -19,7 +19,7 @@ inline std::vector<Vector> unwrapped(State const& state) {
   return places;
 }
 
-/// Of disks at the rows of `from`.
+/// The mean of (Δr)² over all disks, whose places are in the same order in both.
 inline double mean_squared_displacement(std::vector<Vector> const& from, std::vector<Vector> const& to) {
   double sum = 0.0;
   for (std::size_t i = 0; i < from.size(); ++i) sum += squared_length(to[i] - from[i]);
