@@ -29,8 +29,9 @@ double time_between_turns(EngineSettings const& settings, DisksOverview const& d
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
   if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
   auto const masses = disks.column<Mass>();
-  double const first = *std::ranges::find_if_not(masses, [](double mass) { return is_fixed(mass); });
-  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return !is_fixed(m) && m != first; });
+  auto const first = std::ranges::find_if(masses, [](double mass) { return !is_fixed(mass); });
+  if (first == masses.end()) return std::nullopt;
+  bool const are_unlike = std::ranges::any_of(masses, [&](double m) { return !is_fixed(m) && m != *first; });
   BrownianScales const scales = brownian_scales(settings, mean_mass(disks), 2.0 * radius_range(disks).smallest);
   return Event{.kind = EventKind::thermostat,
                .key = "thermostat.interval",
