@@ -10,7 +10,7 @@ namespace gridlock::test {
 
 inline std::string sweep_toml(std::string const& densities, std::string const& steps = "300") {
   return "[disks]\ncount = 64\n[run]\nsteps = " + steps +
-         "\n[observe]\nevery = 50\n[checkpoint]\nevery_seconds = 0.01\n[sweep]\n\"disks.packing_fraction\" = [" +
+         "\n[observe]\nevery = 50\n[checkpoint]\nevery_seconds = 0.05\n[sweep]\n\"disks.packing_fraction\" = [" +
          densities + "]\nrun.seed = [1, 2]\n";
 }
 

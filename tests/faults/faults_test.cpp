@@ -1,5 +1,5 @@
 // What happens to a run when everything goes wrong, with the real program. GRIDLOCK_FAULTS says how often each fault is
-// tried at a random moment (20 where it is not set); GRIDLOCK_FAULT_SEED replays a failure.
+// tried at a random moment (8 where it is not set); GRIDLOCK_FAULT_SEED replays a failure.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
@@ -24,7 +24,7 @@ int number_from(char const* variable, int otherwise) {
   return text == nullptr ? otherwise : std::atoi(text);
 }
 
-int tries() { return number_from("GRIDLOCK_FAULTS", 20); }
+int tries() { return number_from("GRIDLOCK_FAULTS", 8); }
 unsigned seed() { return static_cast<unsigned>(number_from("GRIDLOCK_FAULT_SEED", 1)); }
 
 struct Kind {

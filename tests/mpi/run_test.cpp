@@ -78,7 +78,7 @@ class MpiRun : public ::testing::Test {
   }
   /// A run of some seconds that saves itself often.
   void write_long_one() const {
-    write(workplace_ / "r.toml", run_toml("30000", "[checkpoint]\nevery_seconds = 0.25\n"));
+    write(workplace_ / "r.toml", run_toml("12000", "[checkpoint]\nevery_seconds = 0.1\n"));
   }
 
   /// Of r.toml.

@@ -26,7 +26,7 @@ class MpiSweep : public ::testing::Test {
     EXPECT_EQ(text_of(workplace_ / (one + "/means.csv")), text_of(workplace_ / (other + "/means.csv")));
   }
   /// A sweep of some seconds.
-  void write_long_one() const { write(workplace_ / "s.toml", sweep_toml("0.3, 0.5, 0.6, 0.7", "300000")); }
+  void write_long_one() const { write(workplace_ / "s.toml", sweep_toml("0.3, 0.5, 0.6, 0.7", "120000")); }
 
   Workplace workplace_;
 };
@@ -48,7 +48,7 @@ TEST_F(MpiSweep, HasTheTablesOfOneProcessOnAnyNumberOfRanks) {
 /// Runs that ranks can share. In those of the longer step disks become too fast for their sub-steps and the run fails.
 std::string shared_toml(std::string const& steps) {
   return light_among_heavy + ("[run]\nsteps = " + steps) +
-         "\n[observe]\nevery = 50\n[checkpoint]\nevery_seconds = 0.01\n"
+         "\n[observe]\nevery = 50\n[checkpoint]\nevery_seconds = 0.1\n"
          "[sweep]\nengine.time_step = [0.02, 0.5]\nrun.seed = [1, 2]\n";
 }
 
@@ -78,7 +78,7 @@ TEST_F(MpiSweep, HasTheTablesOfOneProcessWhereRanksShareRunsOfModels) {
 }
 
 TEST_F(MpiSweep, WhereRanksShareRunsAnyRankMayBeAskedToStop) {
-  write(workplace_ / "s.toml", shared_toml("100000"));
+  write(workplace_ / "s.toml", shared_toml("40000"));
   in(workplace_, sweep_into("alone"));
   auto arguments = in_groups_of(2);
   // Rank 3 shares the runs of rank 2.
