@@ -100,7 +100,7 @@ EngineRecord soft_record() {
           .documentation = "lets disks repel or attract each other by a [potential]",
           .uses_threads = true,
           .has_potential = true,
-          .bytes_per_disk = 700.0,
+          .bytes_per_disk = 480.0,
           .bytes_per_disk_of_checkpoint = 19.0,
           .unused_because_of = unused_because_of,
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },

@@ -21,7 +21,9 @@ void Stress::begin(Snapshot const& /*start*/) {
     columns.push_back({"total_energy", "mass · length² / time²", "Kinetic energy and potential energy of soft disks."});
   }
   if (dynamics_.propels) {
-    columns.push_back({"effective_swim_speed", "", "⟨Δr·n⟩/(v₀ Δt) along the headings n of self-propelled disks."});
+    columns.push_back(
+        {"effective_swim_speed", "",
+         "Displacement of self-propelled disks along their headings, as a fraction of that of free disks."});
   }
   reset(std::move(columns));
 }

@@ -7,11 +7,11 @@ namespace gridlock {
 
 /// The energy and the stress of soft disks, from their places and velocities at a sample.
 ///
-///     potential_energy = Σ_pairs V(r)                                            energy
-///     total_energy     = potential_energy + ½ Σ_i m_i v_i²                       energy; disks with inertia only
-///     stress_ab        = −(Σ_i m_i v_a v_b + Σ_pairs f_a r_b) / A                energy / area
-///     pressure         = −(stress_xx + stress_yy) / 2                            energy / area
-///     effective_swim_speed = 1 + ⟨F·n / (m γ)⟩ / v₀                              pure number; self-propelled disks only
+///     potential_energy = Σ_pairs V(r)                                      energy
+///     total_energy     = potential_energy + ½ Σ_i m_i v_i²                 energy; disks with inertia only
+///     stress_ab        = −(Σ_i m_i v_a v_b + Σ_pairs f_a r_b) / A          energy / area
+///     pressure         = −(stress_xx + stress_yy) / 2                      energy / area
+///     effective_swim_speed = 1 + ⟨F·n / (m γ)⟩ / v₀                        of self-propelled disks
 ///
 /// f is the force on a disk and r the vector to it from its partner: repulsion makes the pressure positive, and tension
 /// the stress. Disks without inertia have kT for m v_a² and 0 for m v_x v_y. In the swim speed n is the heading of a

@@ -307,7 +307,8 @@ class DisksKind final : public ModelKind {
 
 /// Whether disks at rest get velocities during the run.
 bool gives_velocities(EngineSettings const& settings) {
-  return settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() || settings.gravity.exists();
+  return engine_record(settings.kind).has_potential || settings.thermostat.kind != ThermostatKind::none ||
+         settings.propulsion.is_on() || settings.gravity.exists();
 }
 
 /// Returns the engine of a run; if only collisions end the run, it fails after a long time without collisions.

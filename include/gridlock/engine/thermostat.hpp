@@ -30,15 +30,16 @@ namespace gridlock {
 /// brownian: all disks get Maxwell velocities at the times 0, Δt, 2Δt … of the clock, Δt = `interval`: event-driven
 ///           Brownian dynamics (Scala, Voigtmann, De Michele 2007, doi:10.1063/1.2719190). A free disk diffuses with
 ///           D₀ = kT Δt/(2m).
-/// langevin: m dv/dt = F − m γ v + noise, γ = `friction` (Leimkuhler and Matthews 2013, doi:10.1093/amrx/abs010). A free
-///           disk diffuses with D₀ = kT/(m γ).
+/// langevin: m dv/dt = F − m γ v + noise, γ = `friction` (Leimkuhler and Matthews 2013, doi:10.1093/amrx/abs010). A
+///           free disk diffuses with D₀ = kT/(m γ).
 /// overdamped: m γ dr/dt = F + noise, Brownian dynamics without inertia (Ermak and McCammon 1978,
 ///           doi:10.1063/1.436761), with the same D₀. Disks have no velocities but those of their propulsion.
 enum class ThermostatKind { none, andersen, brownian, langevin, overdamped };
 /// Returns the word of a kind, as in thermostat.kind.
 std::string_view to_text(ThermostatKind kind);
 
-/// The settings `[thermostat]`. A Maxwell velocity has components of variance kT/m, and noise is normal, both drawn as a function of (seed, draw, Id): the same whatever else happens, on every machine and any number of threads.
+/// The settings `[thermostat]`. A Maxwell velocity has components of variance kT/m, and noise is normal; both are drawn
+/// as a function of (seed, draw, Id): the same whatever else happens, on every machine and any number of threads.
 struct ThermostatSettings {
   ThermostatKind kind = ThermostatKind::none;
   std::optional<double> temperature;  ///< kT; left out: the kinetic energy of a disk at the start
