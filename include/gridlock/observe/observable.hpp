@@ -151,11 +151,11 @@ struct DynamicsTraits {
 
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
-/// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; Stress of soft disks; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve, TemperatureByKind and LineFlux
-/// where settings ask for them (Error for agents that lack a column). Quantities of walls exist only between walls.
-/// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
-/// due.
+/// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; Stress of soft disks; BondOrientation and
+/// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve,
+/// TemperatureByKind and LineFlux where settings ask for them (Error for agents that lack a column). Quantities of
+/// walls exist only between walls. Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r)
+/// about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics = {});
 
