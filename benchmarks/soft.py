@@ -24,7 +24,8 @@ import result_file
 # Density, temperature and time step of each potential; LAMMPS's style and coefficients.
 FLUIDS = {
     "harmonic": (1.0, 0.01, 0.05, "atom_style sphere", "pair_style gran/hooke 1.0 0.0 0.0 0.0 0.0 0", "pair_coeff * *"),
-    "lennard_jones": (0.7, 1.0, 0.004, "atom_style atomic", "pair_style lj/cut 2.5\npair_modify shift yes", "pair_coeff 1 1 1.0 1.0 2.5"),
+    "lennard_jones": (0.7, 1.0, 0.004, "atom_style atomic", "pair_style lj/cut 2.5\npair_modify shift yes",
+                      "pair_coeff 1 1 1.0 1.0 2.5"),
 }
 FRICTION = 1.0
 

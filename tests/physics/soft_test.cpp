@@ -2,14 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <string>
 #include <vector>
 
 #include "core/pair_law.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/simulation/simulate.hpp"
 #include "reference/mean_and_error.hpp"
 
 namespace gridlock {
@@ -217,6 +221,46 @@ TEST(FreeSoftDisks, InALangevinBathDiffuseAfterTheyHaveForgottenTheirVelocities)
       k * same + 2.0 * next * ((k - 1.0) / (1.0 - q) - q * (1.0 - std::pow(q, k - 1.0)) / ((1.0 - q) * (1.0 - q)));
   auto const mean = reference::mean_of(squares);
   EXPECT_NEAR(mean.value, expected, 4.0 * mean.error);
+}
+
+/// The average of a quantity of a run.
+double result_of(RunResult const& run, std::string const& name) {
+  for (NamedEstimate const& result : run.results) {
+    if (result.name == name) return result.estimate.value;
+  }
+  ADD_FAILURE() << name;
+  return 0.0;
+}
+
+TEST(SoftSwimmers, AreSlowedDownByOthersAndPushThem) {
+  // An independent program: overdamped WCA disks, kT = mγ = σ = 1, D_R = 3, Euler steps of 5e-5, N = 400.
+  struct Swimmers {
+    double packing_fraction;
+    double speed;
+    double effective_speed;
+    double virial_pressure;
+    double tolerance_of_pressure;
+  };
+  for (Swimmers const& of : {Swimmers{0.2, 10.0, 0.777, 0.398, 0.04}, Swimmers{0.4, 40.0, 0.569, 6.37, 0.35}}) {
+    Configuration configuration;
+    double const side = std::sqrt(400.0 * 0.25 * std::numbers::pi / of.packing_fraction);
+    configuration.box = {.edge = Edge::periodic, .side = side};
+    configuration.disks = {.count = 400, .packing_fraction = {}, .radius = 0.5, .start = StartKind::random};
+    configuration.engine = {.kind = "soft",
+                            .time_step = 5e-5,
+                            .speed = 1.0,
+                            .threads = 2,
+                            .thermostat = {.kind = ThermostatKind::overdamped, .temperature = 1.0, .friction = 1.0},
+                            .propulsion = {.speed = of.speed, .rotational_diffusion = 3.0},
+                            .potential = {.kind = PairPotential::wca, .energy = std::max(of.speed, 24.0) / 24.0}};
+    configuration.run.steps = 24'000;
+    configuration.observe.every = 100;
+    configuration.observe.structure_every = 0;
+    RunResult const run = simulate(set_up(configuration));
+    double const thermal = 400.0 / (side * side);
+    EXPECT_NEAR(result_of(run, "effective_swim_speed"), of.effective_speed, 0.02);
+    EXPECT_NEAR(result_of(run, "pressure") - thermal, of.virial_pressure, of.tolerance_of_pressure);
+  }
 }
 
 }  // namespace
