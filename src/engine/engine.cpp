@@ -130,6 +130,7 @@ std::vector<std::string> engine_kinds() {
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
   require_known(record, settings);
+  require_rectangle(state.box, fmt::format("the engine \"{}\"", record.name));
   return record.make(settings, state);
 }
 

@@ -51,6 +51,10 @@ std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary) {
   return {edge(0), edge(1)};
 }
 
+Box box_of(double width, double height, double shift, std::pair<Edge, Edge> const& edges) {
+  return Box(width, height, edges.first, edges.second).shifted(shift);
+}
+
 std::vector<std::string> column_names(std::string const& element, bool is_vector) {
   if (!is_vector) return {element};
   if (element == "position") return {"x", "y"};
@@ -72,6 +76,8 @@ Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, 
   std::uint64_t const wholes[] = {number_of_edges(box), clock.step, seed, agents, state_hash};
   sum.add(std::span(reals));
   sum.add(std::span(wholes));
+  double const shift[] = {box.shift()};
+  if (box.is_oblique()) sum.add(std::span(shift));
   return sum;
 }
 

@@ -19,6 +19,8 @@ namespace gridlock::h5md {
 std::vector<std::string> boundary_of(Box const& box);
 /// Returns the edges along x and y. Values that a file of another program leaves out are those of x.
 std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary);
+/// Returns the box with the edge vectors (width, 0) and (shift, height). Errors: Error where there is none.
+Box box_of(double width, double height, double shift, std::pair<Edge, Edge> const& edges);
 
 inline constexpr std::uint64_t absent_id = std::numeric_limits<std::uint64_t>::max();
 /// Maximum number of agents in a chunk, so that a chunk of 64-bit numbers takes 1 MiB.
