@@ -63,6 +63,18 @@ void serialize_result(Archive& archive, StageResult& result) {
     serialize_inside(archive, "swap", [&] { serialize_swap(archive, swap); });
     result.swap = std::move(swap);
   }
+  bool has_shear = result.shear.has_value();
+  archive.visit("has_shear", has_shear);
+  if (has_shear) {
+    ShearResult shear = result.shear.value_or(ShearResult());
+    serialize_inside(archive, "shear", [&] {
+      serialize(archive, shear.minima);
+      serialize(archive, shear.events);
+      serialize(archive, shear.motions);
+      serialize(archive, shear.cycles);
+    });
+    result.shear = std::move(shear);
+  }
   serialize(archive, result.levels);
 }
 

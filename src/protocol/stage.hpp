@@ -13,6 +13,8 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/contact_network.hpp"
+#include "gridlock/packing/minimizer.hpp"
 #include "gridlock/protocol/protocol.hpp"
 #include "gridlock/protocol/settings.hpp"
 
@@ -90,6 +92,12 @@ std::optional<double> packing_fraction_at_end(StageSettings const& stage, std::o
 /// Writes positions and radii into the state that the packing was made of, and counts the edges that disks crossed.
 void write_packing(Packing const& packing, State& state);
 
+// For stages of soft disks.
+
+MinimizerSettings minimizer_settings(ProtocolSettings const& protocol);
+/// Adds the results that follow from the contacts at the end of a stage.
+void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result);
+
 // Each record is in the file of its stage.
 StageRecord grow_stage();
 StageRecord run_stage();
@@ -98,6 +106,7 @@ StageRecord compress_stage();
 StageRecord decompress_stage();
 StageRecord separate_stage();
 StageRecord swap_stage();
+StageRecord shear_stage();
 
 /// Returns the records of all kinds, in the order of the documentation.
 std::span<StageRecord const> stage_records();
