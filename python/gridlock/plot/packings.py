@@ -86,7 +86,8 @@ def _draw_key(axes: Axes, found: Contacts) -> None:
 def _frame_of(found: Contacts) -> Frame:
     """The disks inside the box."""
     sides = np.array([found.box.width, found.box.height])
-    places = found.points % sides if found.box.periodic else found.points
+    boxes_up = np.floor(found.points[:, 1:] / found.box.height)
+    places = (found.points - boxes_up * (found.box.shift, 0.0)) % sides if found.box.periodic else found.points
     return Frame(found.box, Clock(0, 0.0), np.arange(len(places), dtype=np.uint64),
                  {"x": places[:, 0], "y": places[:, 1], "radius": found.radii})
 
