@@ -44,7 +44,7 @@ struct SortedDisks {
   }
 };
 
-/// Returns n xy/L_x, by which the wave vectors of a column lie lower in an oblique box: (2π n/L_x, 2π (m − n xy/L_x)/L_y).
+/// Returns n xy/L_x: in an oblique box the wave vectors of column n are (2π n/L_x, 2π (m − n xy/L_x)/L_y).
 double lean(Box const& box, std::int64_t column) { return static_cast<double>(column) * box.shift() / box.width(); }
 
 /// exp(i q·r_j) of all disks, for the wave vectors of one column, row by row.

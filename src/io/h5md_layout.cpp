@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "io/xyz_header.hpp"
+
 namespace gridlock::h5md {
 
 namespace {
@@ -53,6 +55,16 @@ std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary) {
 
 Box box_of(double width, double height, double shift, std::pair<Edge, Edge> const& edges) {
   return Box(width, height, edges.first, edges.second).shifted(shift);
+}
+
+void lean(Box const& box, double shift, std::vector<double>& x, std::vector<double> const& y,
+          std::vector<std::int32_t>* images_x, std::vector<std::int32_t> const* images_y) {
+  for (std::size_t row = 0; row < x.size(); ++row) {
+    double place = y[row];
+    x[row] -= xyz::fold(place, box.height()) * box.shift();
+    if (images_x != nullptr && images_y != nullptr)
+      (*images_x)[row] += static_cast<std::int32_t>(box.widths_in(shift) * (*images_y)[row]);
+  }
 }
 
 std::vector<std::string> column_names(std::string const& element, bool is_vector) {

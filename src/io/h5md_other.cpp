@@ -52,18 +52,6 @@ void fold_all(std::vector<double>& values, double side, std::vector<std::int32_t
   }
 }
 
-/// Moves x to the left by the shift of the box for each edge of y that fold_all() will take a position across, and
-/// counts the edges of x that images have crossed in `box`, which leans by whole widths less than `shift`.
-void lean(Box const& box, double shift, std::vector<double>& x, std::vector<double> const& y,
-          std::vector<std::int32_t>* images_x, std::vector<std::int32_t> const* images_y) {
-  for (std::size_t row = 0; row < x.size(); ++row) {
-    double place = y[row];
-    x[row] -= xyz::fold(place, box.height()) * box.shift();
-    if (images_x != nullptr && images_y != nullptr)
-      (*images_x)[row] += static_cast<std::int32_t>(box.widths_in(shift) * (*images_y)[row]);
-  }
-}
-
 void count_from_wall(std::vector<double>& values, double side, Span const* around) {
   bool const is_centred = around == nullptr && std::ranges::any_of(values, [](double value) { return value < 0.0; });
   double const wall = around != nullptr ? around->min : is_centred ? -0.5 * side : 0.0;

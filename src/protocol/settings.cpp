@@ -79,8 +79,7 @@ void check_settings(StageCheck const& check, StageRecord const& record) {
 void visit_stage(SettingVisitor& visitor, std::string& kind) {
   std::vector<std::string_view> kinds;
   std::string documentation =
-      "What happens: hard disks grow, run, or swap their radii; soft disks are quenched, compressed, decompressed "
-      "or sheared";
+      "What happens: hard disks grow, run, or swap their radii; soft disks are quenched, compressed or decompressed";
   for (StageRecord const& record : stage_records()) {
     kinds.push_back(record.name);
     if (!record.documentation.empty()) documentation += fmt::format("; {} {}", record.name, record.documentation);

@@ -86,6 +86,7 @@ StageRecord shear_stage() {
           .ends = {"until_strain"},
           .leaves_overlaps = true,
           .has_soft_disks = true,
+          .needs_images = true,
           .may_end_without_pressure = true,
           .check = check_shear,
           .packing_fraction_after = [](StageSettings const&, std::optional<double> before) { return before; },

@@ -16,31 +16,11 @@
 #include "gridlock/packing/contact_network.hpp"
 #include "protocol/stage.hpp"
 #include "simulation/packing_analysis.hpp"
-#include "simulation/shear_tables.hpp"
+#include "simulation/protocol_tables.hpp"
 
 namespace gridlock {
 
 namespace {
-
-/// Returns the table of correlations over the lag, for all stages of swap Monte Carlo.
-Distribution swap_table(std::vector<StageResult> const& stages) {
-  Distribution table{
-      .name = "swap_correlations",
-      .columns = {{.name = "stage", .documentation = "The number of the stage, from 1.", .is_count = true},
-                  {"lag", "sweeps", "Between two times."},
-                  {"self_overlap", "", "Share of disks in the cage they were in."},
-                  {"bond_orientation", "", "Correlation of the local hexatic order."}},
-      .columns_of_values = std::vector<std::vector<double>>(4)};
-  for (std::size_t k = 0; k < stages.size(); ++k) {
-    if (!stages[k].swap) continue;
-    SwapResult const& swap = *stages[k].swap;
-    for (std::size_t i = 0; i < swap.lags.size(); ++i) {
-      double const row[] = {static_cast<double>(k + 1), swap.lags[i], swap.self_overlap[i], swap.bond_orientation[i]};
-      for (std::size_t c = 0; c < std::size(row); ++c) table.columns_of_values[c].push_back(row[c]);
-    }
-  }
-  return table;
-}
 
 /// A value of summary.json that a stage of the protocol provides.
 struct ResultEntry {

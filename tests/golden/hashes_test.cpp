@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -106,20 +107,23 @@ TEST_P(Golden, GivesTheBitsOfTheTable) {
 std::string row_name(testing::TestParamInfo<Row> const& row) { return row.param.scene.name + "_" + row.param.engine; }
 INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(rows()), row_name);
 
-/// Of a protocol alone: no engine moves the disks after it.
-HashTable::Name const jamming{"jamming", "protocol"};
+/// Scenes of a protocol alone: no engine moves the disks after it.
+constexpr std::array<char const*, 2> protocols{"jamming", "shear"};
 
-TEST(GoldenProtocol, OfTheSceneGivesTheBitsOfTheTable) {
-  auto const setup = set_up(SettingsFile::from_path(std::string(GRIDLOCK_SOURCE_DIR) + "/scenes/jamming.toml"));
-  std::string const start = fmt::format("{:016x}", setup.simulation->state_hash());
-  ASSERT_TRUE(setup.simulation->prepare({}));
-  HashTable("hashes.csv").expect(jamming, {start, fmt::format("{:016x}", setup.simulation->state_hash())});
+TEST(GoldenProtocol, OfEachSceneGivesTheBitsOfTheTable) {
+  for (char const* const scene : protocols) {
+    auto const setup = set_up(SettingsFile::from_path(fmt::format("{}/scenes/{}.toml", GRIDLOCK_SOURCE_DIR, scene)));
+    std::string const start = fmt::format("{:016x}", setup.simulation->state_hash());
+    ASSERT_TRUE(setup.simulation->prepare({}));
+    HashTable("hashes.csv")
+        .expect({scene, "protocol"}, {start, fmt::format("{:016x}", setup.simulation->state_hash())});
+  }
 }
 
 TEST(GoldenTable, HasNoRowsOfScenesOrEnginesThatAreGone) {
   std::set<HashTable::Name> known;
   for (Row const& row : rows()) known.emplace(row.scene.name, row.engine);
-  known.insert(jamming);
+  for (char const* const scene : protocols) known.emplace(scene, "protocol");
   HashTable("hashes.csv").expect_only(known);
 }
 

@@ -58,8 +58,8 @@ class Box {
   [[nodiscard]] Box tilted(double tilt) const { return shifted(tilt * height_); }
   /// Returns this box with a shift xy, which is brought between −½ L_x and ½ L_x. Errors: those of tilted().
   [[nodiscard]] Box shifted(double shift) const;
-  /// Returns the number of widths by which shifted() reduces a shift. A disk that has crossed m edges of y has crossed m
-  /// times as many edges of x more in the box that shifted() returns.
+  /// Returns the number of widths by which shifted() reduces a shift. A disk that has crossed m edges of y has crossed
+  /// m times as many edges of x more in the box that shifted() returns.
   [[nodiscard]] double widths_in(double shift) const { return std::round(shift / width_); }
   /// Returns √area: the side of a square box, and the unit of length in which displacements are quoted for a
   /// rectangular box.
