@@ -296,7 +296,7 @@ class Picture {
       if (row != 0 && !state_.box.is_periodic_y()) continue;
       for (int const column : {-1, 0, 1}) {
         if (column != 0 && !state_.box.is_periodic_x()) continue;
-        Vector const image{p.x + column * state_.box.width(), p.y + row * state_.box.height()};
+        Vector const image = p + state_.box.offset_of_image(column, row);
         bool const is_original = row == 0 && column == 0;
         if (is_original || (reaches(image.x, state_.box.width()) && reaches(image.y, state_.box.height())))
           visit(image);

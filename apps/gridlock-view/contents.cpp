@@ -33,7 +33,11 @@ std::vector<std::string> const& files_of_run() {
                                    "stages.csv",
                                    "levels.csv",
                                    "contacts.csv",
-                                   "swap_correlations.csv"};
+                                   "swap_correlations.csv",
+                                   "shear.csv",
+                                   "shear_events.csv",
+                                   "shear_motions.csv",
+                                   "shear_cycles.csv"};
     for (std::string_view const curve : names_of_curves()) files.push_back(std::string(curve) + ".csv");
     return files;
   }();

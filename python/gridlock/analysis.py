@@ -56,9 +56,12 @@ def separations(points: ArrayLike, i: ArrayLike, j: ArrayLike, box: BoxLike = No
     first, second = (k.astype(np.intp) for k in ends)  # an empty list has the type of numbers, not of indices
     difference = array[second] - array[first]
     sides = as_box(box)
-    for axis in (0, 1):
+    for axis in (1, 0):
         if sides is not None and sides[2 + axis]:
-            difference[:, axis] -= sides[axis] * np.round(difference[:, axis] / sides[axis])
+            boxes = np.round(difference[:, axis] / sides[axis])
+            difference[:, axis] -= sides[axis] * boxes
+            if axis == 1:
+                difference[:, 0] -= sides[4] * boxes
     separated: NDArray[np.float64] = difference
     return separated
 
@@ -256,6 +259,8 @@ def density_profile(
         raise Error(f"the axis is {axis!r}\n  hint: use \"x\" or \"y\"")
     if not np.isfinite(array).all():
         raise Error("a point is not finite\n  hint: every coordinate must be finite")
+    if axis == "x" and sides[4] != 0:
+        raise Error("a sheared box has no density profile along x: its images above are not straight above\n  hint: use axis=\"y\"")
     side = sides[0] if axis == "x" else sides[1]
     place = array[:, 0 if axis == "x" else 1]
     is_periodic = sides[2] if axis == "x" else sides[3]
@@ -362,7 +367,7 @@ def structure_factor(
     >>> bool(np.all(abs(found.s - 1) < 0.5))
     True
     """
-    width, height, *_ = _periodic(box, "the structure factor")
+    width, height, _, _, shift = _periodic(box, "the structure factor")
     array = as_points(points)
     if not np.isfinite(array).all():
         raise Error("a point is not finite\n  hint: every coordinate must be finite")
@@ -372,15 +377,16 @@ def structure_factor(
     ends = [largest_q / (2 * np.pi) * side + 1 for side in (width, height)]
     size = int(labels.max(initial=0)) + 1
     _expect_room(len(array), ends[0] + 1, 2 * ends[1] + 1, size, bins)
-    most_x, most_y = (int(end) for end in ends)
+    # In a sheared box the wave vectors of column n are lower by n · shift/width rows.
+    most_x, most_y = int(ends[0]), int(ends[1] + ends[0] * abs(shift) / width)
     columns = np.arange(0, most_x + 1)
     rows = np.arange(-most_y, most_y + 1)
-    q = 2 * np.pi * np.hypot(columns[:, None] / width, rows[None, :] / height)
+    q = 2 * np.pi * np.hypot(columns[:, None] / width, (rows[None, :] - columns[:, None] * shift / width) / height)
     # One of every two opposite vectors, and not 0.
     wanted = (q > 0) & (q <= largest_q * (1 + 1e-12)) & ((columns[:, None] > 0) | (rows[None, :] > 0))
     ring = np.minimum((q[wanted] / largest_q * bins).astype(int), bins - 1)
     counts = np.bincount(ring, minlength=bins)
-    along_x = np.exp(2j * np.pi / width * np.outer(columns, array[:, 0]))
+    along_x = np.exp(2j * np.pi / width * np.outer(columns, array[:, 0] - shift / height * array[:, 1]))
     along_y = np.exp(2j * np.pi / height * np.outer(rows, array[:, 1]))
     waves = []
     for a in range(size):

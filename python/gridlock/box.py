@@ -21,12 +21,24 @@ class Box(NamedTuple):
     >>> channel = Box(2.0, 1.0, (True, False))  # periodic in x, with walls below and above
     >>> channel.periodic_x, channel.periodic_y
     (True, False)
+    >>> sheared = Box(2.0, 1.0, tilt=0.25)  # its images above are 0.25 farther to the right
     """
 
     width: float
     height: float
     #: whether it is periodic: one answer for x and y, or a pair
     periodic: bool | tuple[bool, bool] = True
+    #: xy/L_y of a sheared periodic box; tilts that differ by width/height have the same images
+    tilt: float = 0.0
+
+    def __repr__(self) -> str:
+        tilt = f", tilt={self.tilt!r}" if self.tilt else ""
+        return f"Box(width={self.width!r}, height={self.height!r}, periodic={self.periodic!r}{tilt})"
+
+    @property
+    def shift(self) -> float:
+        """How much farther to the right its images above are."""
+        return self.tilt * self.height
 
     @property
     def area(self) -> float:
@@ -53,14 +65,14 @@ class Box(NamedTuple):
 BoxLike = Union[Box, float, "tuple[float, float]", None]
 
 
-#: Width, height, and whether the box is periodic in x and in y: as the library takes and gives it.
-BoxValues = tuple[float, float, bool, bool]
+#: Width, height, whether the box is periodic in x and in y, and the shift of its images above: as the library takes and gives it.
+BoxValues = tuple[float, float, bool, bool, float]
 
 
 def box_of(values: BoxValues) -> Box:
     """The box that the library gives: ``periodic`` is a pair only where x and y differ."""
-    width, height, periodic_x, periodic_y = values
-    return Box(width, height, periodic_x if periodic_x == periodic_y else (periodic_x, periodic_y))
+    width, height, periodic_x, periodic_y, shift = values
+    return Box(width, height, periodic_x if periodic_x == periodic_y else (periodic_x, periodic_y), shift / height)
 
 
 def as_box(box: BoxLike) -> BoxValues | None:
@@ -69,8 +81,9 @@ def as_box(box: BoxLike) -> BoxValues | None:
         return None
     hint = "use Box(width, height, periodic), (width, height), a side, or None"
     given: Any = box
+    tilt: Any = 0.0
     if isinstance(box, Box):
-        width, height, periodic = given
+        width, height, periodic, tilt = given
     elif isinstance(box, numbers.Real) or (isinstance(box, np.ndarray) and box.ndim == 0):
         width = height = given
         periodic = True
@@ -84,4 +97,4 @@ def as_box(box: BoxLike) -> BoxValues | None:
     if len(of_axes) != 2 or not all(isinstance(of_axis, (bool, np.bool_)) for of_axis in of_axes):
         raise Error(f"periodic is {periodic!r}\n  hint: use True or False, or one of each for x and y: (True, False)")
     sides = as_number(width, "the width of the box", hint), as_number(height, "the height of the box", hint)
-    return *sides, bool(of_axes[0]), bool(of_axes[1])
+    return *sides, bool(of_axes[0]), bool(of_axes[1]), as_number(tilt, "the tilt of the box", "use a finite number") * sides[1]

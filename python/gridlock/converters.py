@@ -70,7 +70,7 @@ def _velocities(frame: Frame) -> NDArray[np.float64] | None:
 def to_ase(frame: Frame, *, unwrapped: bool = True) -> Any:
     """One frame as ``ase.Atoms`` with the symbol X; kinds are in the array "kind", all other columns in arrays of their names."""
     ase = library("ase", "ase")
-    sides = [frame.box.width, frame.box.height, 1.0]
+    sides = [[frame.box.width, 0.0, 0.0], [frame.box.shift, frame.box.height, 0.0], [0.0, 0.0, 1.0]]
     periodic = [frame.box.periodic_x, frame.box.periodic_y, False]
     atoms = ase.Atoms(numbers=np.zeros(len(frame), dtype=int), positions=_positions(frame, unwrapped), cell=sides, pbc=periodic,
                       info={"step": frame.clock.step, "time": frame.clock.time})
@@ -108,7 +108,8 @@ def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
         if column in first.columns:
             universe.add_TopologyAttr(attribute, first.columns[column])
     velocities = [_velocities(frame) for frame in frames]
-    sides = np.array([[frame.box.width, frame.box.height, 1.0, 90.0, 90.0, 90.0] for frame in frames])
+    sides = np.array([[box.width, np.hypot(box.height, box.shift), 1.0, 90.0, 90.0, np.degrees(np.arctan2(box.height, box.shift))]
+                      for box in (frame.box for frame in frames)])
     universe.load_new(
         np.array([_positions(frame, unwrapped) for frame in frames], dtype=np.float32), format=reader,
         velocities=None if velocities[0] is None else np.array(velocities, dtype=np.float32),
@@ -142,7 +143,7 @@ def _gsd_frame(gsd: Any, frame: Frame) -> Any:
     result = gsd.Frame()
     result.configuration.step = frame.clock.step
     result.configuration.dimensions = 2
-    result.configuration.box = [frame.box.width, frame.box.height, 0, 0, 0, 0]
+    result.configuration.box = [frame.box.width, frame.box.height, 0, frame.box.tilt, 0, 0]
     result.log["time"] = np.array([frame.clock.time])
     particles = result.particles
     particles.N = len(frame)

@@ -74,6 +74,8 @@ class Frame:
         unwrapped = self.positions
         for axis, image in crossed:
             unwrapped[:, axis] += self.columns[image] * (self.box.width, self.box.height)[axis]
+            if axis == 1:
+                unwrapped[:, 0] += self.columns[image] * self.box.shift
         return unwrapped
 
     @property
@@ -109,7 +111,7 @@ class Frame:
         """
         unit = self.diameter if diameter is None else as_number(diameter, "the diameter")
         columns = {name: values / unit if name in LENGTHS else values for name, values in self.columns.items()}
-        box = Box(self.box.width / unit, self.box.height / unit, self.box.periodic)
+        box = Box(self.box.width / unit, self.box.height / unit, self.box.periodic, self.box.tilt)
         return dataclasses.replace(self, box=box, columns=columns)
 
     def __repr__(self) -> str:
@@ -177,7 +179,7 @@ class Trajectory:
     """The frames of a file, read one at a time; of a run that still writes those up to its last checkpoint.
 
     It reads H5MD, of Gridlock and of other programs, dumps of LAMMPS in text, and GSD where the package gsd is installed: in the plane,
-    in rectangular boxes, with the columns that the file has.
+    with the columns that the file has. Boxes may be sheared in H5MD and extended XYZ, and are rectangles in the other formats.
 
     ``len(trajectory)``, ``trajectory[3]``, ``trajectory[-1]``, ``for frame in trajectory``; ``steps`` and ``times`` of all.
     ``trajectory[10:]`` and ``trajectory.since(1000)`` are trajectories too: with fewer frames, of the same file.

@@ -108,7 +108,7 @@ def _expect_plane(z: NDArray[np.float64], where: str) -> None:
 
 def _expect_rectangle(tilt: float, where: str) -> None:
     if tilt != 0.0:
-        raise Error(f"{where}: its box is sheared by {tilt:.6g}\n  hint: boxes here are rectangles")
+        raise Error(f"{where}: its box is sheared by {tilt:.6g}\n  hint: of this format rectangles are read; extended XYZ and H5MD may be sheared")
 
 
 class OtherFrames:
@@ -302,7 +302,7 @@ class GsdFile(OtherFrames):
             if self._is_written(k, name):
                 columns[own] = factor * np.asarray(getattr(frame.particles, name), dtype=float)
         columns["species"] = np.asarray(frame.particles.typeid, dtype=np.int64)
-        return np.arange(len(positions), dtype=np.uint64), columns, (width, height, True, True), self._steps[k], self._times[k]
+        return np.arange(len(positions), dtype=np.uint64), columns, (width, height, True, True, 0.0), self._steps[k], self._times[k]
 
     def _is_written(self, k: int, name: str) -> bool:
         """Whether the file has it, of this frame or the first: gsd makes up all that it has not."""

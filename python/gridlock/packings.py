@@ -66,6 +66,8 @@ class Contacts:
 
     bulk_modulus: float  #: K; not a number where ``is_converged`` is false, and where no strain has a cost
     shear_modulus: float  #: ⟨G⟩ over all directions: (G_xy + G_xx−yy)/2, between walls G_xx−yy
+    simple_shear_modulus: float  #: dσ/dγ of x ← x + γ y: G_xy − p/2 + (σ_yy − σ_xx)/2; nan between walls
+    pure_shear_modulus: float  #: dσ/dγ of x ← x e^(γ/2), y ← y e^(−γ/2): G_xx−yy − p/2
     least_shear_modulus: float  #: G of the softest direction
     elastic_constants: NDArray[np.float64]  #: C_xxxx, C_yyyy, C_xyxy, C_xxyy, C_xxxy, C_yyxy; between walls no numbers for those with xy
     softest_mode: float  #: the smallest eigenvalue of the Hessian of the backbone but for shifts; below 0 where the packing is unstable
@@ -154,7 +156,7 @@ def _contacts_of(points: Any, radii: Any, box: Box, potential: str, tolerance: f
     found["gaps"] = -found.pop("gap_overlaps")
     for name in ("gap_normals", "gap_distances"):
         del found[name]
-    for name in ("bulk_modulus", "shear_modulus", "least_shear_modulus", "softest_mode"):
+    for name in ("bulk_modulus", "shear_modulus", "simple_shear_modulus", "pure_shear_modulus", "least_shear_modulus", "softest_mode"):
         found.setdefault(name, math.nan)
     found["elastic_constants"] = np.array(found.get("elastic_constants", (math.nan,) * 6))
     found.setdefault("softest_displacements", np.full((len(points), 2), math.nan))

@@ -27,8 +27,8 @@ namespace nb = nanobind;
 using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
 /// Points of the plane, an array of shape (N, 2).
 using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-/// Width, height, and whether the box is periodic along x and along y.
-using BoxValues = std::tuple<double, double, bool, bool>;
+/// Width, height, whether the box is periodic along x and along y, and the shift of its images above.
+using BoxValues = std::tuple<double, double, bool, bool, double>;
 
 /// Ids, columns, box, step and time of a frame.
 using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double>;
@@ -39,13 +39,13 @@ inline PointsInMemory view_of(Points const& points) {
 }
 
 inline BoxValues box_values(Box const& box) {
-  return {box.width(), box.height(), box.is_periodic_x(), box.is_periodic_y()};
+  return {box.width(), box.height(), box.is_periodic_x(), box.is_periodic_y(), box.shift()};
 }
 
 inline Box box_of(BoxValues const& values) {
-  auto const& [width, height, is_periodic_x, is_periodic_y] = values;
+  auto const& [width, height, is_periodic_x, is_periodic_y, shift] = values;
   auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };
-  return {width, height, edge(is_periodic_x), edge(is_periodic_y)};
+  return Box(width, height, edge(is_periodic_x), edge(is_periodic_y)).shifted(shift);
 }
 
 /// Returns an array that takes over the memory of `values`, a vector with any allocator, without a copy.

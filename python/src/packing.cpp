@@ -61,6 +61,8 @@ void add_stiffness(NamedValues& result, std::optional<ElasticModuli> const& modu
         nb::make_tuple(moduli->xxxx, moduli->yyyy, moduli->xyxy, moduli->xxyy, moduli->xxxy, moduli->yyxy);
     result["bulk_modulus"] = moduli->bulk();
     result["shear_modulus"] = moduli->shear();
+    result["simple_shear_modulus"] = simple_shear_modulus(*moduli, network);
+    result["pure_shear_modulus"] = pure_shear_modulus(*moduli, network);
     result["least_shear_modulus"] = moduli->min_shear();
   }
   if (mode) {

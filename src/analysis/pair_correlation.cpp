@@ -12,6 +12,7 @@
 #include "grid/require.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/cell_list.hpp"
+#include "gridlock/grid/detail/oblique_points.hpp"
 
 namespace gridlock {
 
@@ -46,7 +47,7 @@ GRIDLOCK_AVX512 void find_bins_avx512(Binning const& binning, Vector p, double c
   __m512d dy = _mm512_sub_pd(_mm512_maskz_loadu_pd(lanes, y), _mm512_set1_pd(p.y));
   if (binning.box != nullptr) {
     dx = nearest_image(dx, binning.box->width());
-    dy = nearest_image(dy, binning.box->height());
+    if (binning.box->is_periodic_y()) dy = nearest_image(dy, binning.box->height());
   }
   __m512d const square = _mm512_add_pd(_mm512_mul_pd(dx, dx), _mm512_mul_pd(dy, dy));
   __m512d const scaled = _mm512_mul_pd(_mm512_sqrt_pd(square), _mm512_set1_pd(binning.bins_per_length));
@@ -169,11 +170,14 @@ PairCorrelations normalized(Box const& box, double range, std::size_t bins, std:
   return result;
 }
 
-}  // namespace
+/// Pairs of every two kinds in bins, and the number of points of each kind.
+struct CountedPairs {
+  std::vector<std::uint64_t> pairs;
+  std::vector<double> sizes;
+};
 
-PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
-                                        std::span<std::uint32_t const> kinds, std::uint64_t threads) {
-  require(box, points, range, bins, kinds);
+CountedPairs count_pairs(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
+                         std::span<std::uint32_t const> kinds, std::uint64_t threads) {
   ThreadPool pool(threads);
   CellList const sorted(layout_for_cutoff(box, range, points.count), {}, points, pool);
   std::vector<double> sizes(kinds.empty() ? 1 : std::ranges::max(kinds) + 1, 0.0);
@@ -190,7 +194,45 @@ PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& po
   for (std::vector<std::uint64_t> const& band : counts) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += band[k];
   }
-  return normalized(box, range, bins, sum, sizes);
+  return {std::move(sum), std::move(sizes)};
+}
+
+/// Counts pairs in an oblique box. The images of each kind count as a kind of their own, whose pairs with points, and
+/// not with images, are pairs of the box.
+CountedPairs count_pairs_of_oblique(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
+                                    std::span<std::uint32_t const> kinds, std::uint64_t threads) {
+  ObliquePoints const all(box, range, points.x, points.y, points.count, points.stride, ObliquePoints::Images::above);
+  std::size_t const count = kinds.empty() ? 1 : std::ranges::max(kinds) + std::size_t{1};
+  std::vector<std::uint32_t> kinds_of_all(all.size());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::uint32_t const kind = kinds.empty() ? 0 : kinds[all.point(k)];
+    kinds_of_all[k] = kind + static_cast<std::uint32_t>(k < all.own() ? 0 : count);
+  }
+  PointsInMemory const in_frame{.x = all.x().data(), .y = all.y().data(), .count = all.size()};
+  CountedPairs const found = count_pairs(all.frame(), in_frame, range, bins, kinds_of_all, threads);
+  std::size_t const all_kinds = found.sizes.size();
+  CountedPairs counted{.pairs = std::vector<std::uint64_t>(count * count * (bins + 1)),
+                       .sizes = {found.sizes.begin(), found.sizes.begin() + static_cast<std::ptrdiff_t>(count)}};
+  for (std::size_t a = 0; a < all_kinds; ++a) {
+    for (std::size_t b = 0; b < all_kinds; ++b) {
+      if (a >= count && b >= count) continue;
+      std::size_t const to = (a % count) * count + b % count;
+      for (std::size_t k = 0; k <= bins; ++k) {
+        counted.pairs[to * (bins + 1) + k] += found.pairs[(a * all_kinds + b) * (bins + 1) + k];
+      }
+    }
+  }
+  return counted;
+}
+
+}  // namespace
+
+PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
+                                        std::span<std::uint32_t const> kinds, std::uint64_t threads) {
+  require(box, points, range, bins, kinds);
+  CountedPairs const counted = box.is_oblique() ? count_pairs_of_oblique(box, points, range, bins, kinds, threads)
+                                                : count_pairs(box, points, range, bins, kinds, threads);
+  return normalized(box, range, bins, counted.pairs, counted.sizes);
 }
 
 }  // namespace gridlock

@@ -44,14 +44,17 @@ struct SortedDisks {
   }
 };
 
+/// Returns n xy/L_x: in an oblique box the wave vectors of column n are (2π n/L_x, 2π (m − n xy/L_x)/L_y).
+double lean(Box const& box, std::int64_t column) { return static_cast<double>(column) * box.shift() / box.width(); }
+
 /// exp(i q·r_j) of all disks, for the wave vectors of one column, row by row.
 class Waves {
  public:
   Waves(Box const& box, SortedDisks const& disks, std::int64_t column, std::int64_t row) {
     for (std::size_t j = 0; j < disks.x.size(); ++j) {
       double const turn = two_pi / box.height() * disks.y[j];
-      double const start =
-          two_pi / box.width() * static_cast<double>(column) * disks.x[j] + static_cast<double>(row) * turn;
+      double const start = two_pi / box.width() * static_cast<double>(column) * disks.x[j] +
+                           (static_cast<double>(row) - lean(box, column)) * turn;
       real_.push_back(std::cos(start));
       imaginary_.push_back(std::sin(start));
       step_real_.push_back(std::cos(turn));
@@ -103,12 +106,15 @@ Column powers_of_column(Box const& box, SortedDisks const& disks, std::int64_t c
   Column found;
   double const along_x = two_pi / box.width() * static_cast<double>(column);
   double const left = std::sqrt(std::max(0.0, largest * largest - along_x * along_x));
-  auto const last = static_cast<std::int64_t>(left * box.height() / two_pi) + 1;
+  auto const reach = static_cast<std::int64_t>(left * box.height() / two_pi) + 1;
+  double const lowered = lean(box, column);
+  auto const middle = static_cast<std::int64_t>(std::round(lowered));
+  std::int64_t const last = middle + reach + (lowered == 0.0 ? 0 : 1);
   // Opposite vectors have equal powers, so one of the two is used; 0 is left out.
-  std::int64_t const first = column == 0 ? 1 : -last;
+  std::int64_t const first = column == 0 ? 1 : middle - reach - (lowered == 0.0 ? 0 : 1);
   Waves waves(box, disks, column, first);
   for (std::int64_t row = first; row <= last; ++row) {
-    double const along_y = two_pi / box.height() * static_cast<double>(row);
+    double const along_y = two_pi / box.height() * (static_cast<double>(row) - lowered);
     double const length = std::sqrt(along_x * along_x + along_y * along_y);
     if (length <= largest) {
       found.lengths.push_back(length);

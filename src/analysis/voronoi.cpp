@@ -73,9 +73,12 @@ class CellMaker {
     Vector most = Vector{box_.width(), box_.height()} - p;
     if (box_.is_periodic_x()) least.x = -0.5 * box_.width(), most.x = 0.5 * box_.width();
     if (box_.is_periodic_y()) least.y = -0.5 * box_.height(), most.y = 0.5 * box_.height();
+    // In an oblique box the images above and below are not straight above; they cut as other points do.
+    if (box_.is_oblique()) least.y *= 4.0, most.y *= 4.0;
+    bool const is_own_above = box_.is_periodic_y() && !box_.is_oblique();
     polygon_.begin(least, most, box_.is_periodic_x() ? points_.index(k) : VoronoiPolygon::nobody,
-                   box_.is_periodic_y() ? points_.index(k) : VoronoiPolygon::nobody);
-    int const last = std::max(layout_.columns(), layout_.rows());
+                   is_own_above ? points_.index(k) : VoronoiPolygon::nobody);
+    int const last = boxes_around() * std::max(layout_.columns(), layout_.rows());
     for (int ring = 0; ring <= last; ++ring) {
       cut_by_ring(k, p, column, row, ring);
       double const seen = distance_seen(p, column, row, ring);
@@ -87,24 +90,28 @@ class CellMaker {
   /// cut: another image of the same point is nearer to every place of the cell.
   [[nodiscard]] double distance_seen(Vector p, int column, int row, int ring) const {
     double seen = std::numeric_limits<double>::infinity();
-    if (ring < layout_.columns()) {
+    if (ring < boxes_around() * layout_.columns()) {
       double const inside = p.x - column * cell_width_;
       seen = ring * cell_width_ + std::min(inside, cell_width_ - inside);
     }
-    if (ring < layout_.rows()) {
+    if (ring < boxes_around() * layout_.rows()) {
       double const inside = p.y - row * cell_height_;
       seen = std::min(seen, ring * cell_height_ + std::min(inside, cell_height_ - inside));
     }
     return seen * (1.0 - 1e-9);
   }
 
+  /// Returns how many boxes to each side have images that may cut a cell. In an oblique box the nearest image may be
+  /// two rows of boxes away.
+  [[nodiscard]] int boxes_around() const { return box_.is_oblique() ? 2 : 1; }
+
   void cut_by_ring(std::size_t k, Vector p, int column, int row, int ring) {
-    int const rows = std::min(ring, layout_.rows());
+    int const rows = std::min(ring, boxes_around() * layout_.rows());
     for (int down = -rows; down <= rows; ++down) {
       bool const is_whole_row = std::abs(down) == ring;
       int const step = is_whole_row || ring == 0 ? 1 : 2 * ring;
       for (int right = -ring; right <= ring; right += step) {
-        if (std::abs(right) <= layout_.columns()) cut_by_cell(k, p, column + right, row + down);
+        if (std::abs(right) <= boxes_around() * layout_.columns()) cut_by_cell(k, p, column + right, row + down);
       }
     }
   }
@@ -113,9 +120,22 @@ class CellMaker {
   void cut_by_cell(std::size_t k, Vector p, int column, int row) {
     if (!box_.is_periodic_x() && (column < 0 || column >= layout_.columns())) return;
     if (!box_.is_periodic_y() && (row < 0 || row >= layout_.rows())) return;
-    Vector const shift{box_.width() * wrap(column, layout_.columns()), box_.height() * wrap(row, layout_.rows())};
+    int const boxes_up = wrap(row, layout_.rows());
+    double const lean = boxes_up * box_.shift();
+    if (lean == 0.0) {
+      cut_by_image(k, p, column, row, boxes_up);
+      return;
+    }
+    // The images in this place of the plane come from two columns of the box.
+    int const from_left = column - static_cast<int>(std::ceil(lean / cell_width_));
+    cut_by_image(k, p, from_left, row, boxes_up);
+    cut_by_image(k, p, from_left + 1, row, boxes_up);
+  }
+
+  /// Cuts the polygon of point k by the images of a grid cell that are `boxes_up` boxes above; a column may be outside.
+  void cut_by_image(std::size_t k, Vector p, int column, int row, int boxes_up) {
+    Vector const from = p - box_.offset_of_image(wrap(column, layout_.columns()), boxes_up);
     std::size_t const cell = cell_at(column, row);
-    Vector const from = p - shift;
     for (std::size_t other = points_.first_of(cell); other < points_.first_of(cell + 1); ++other) {
       Vector const separation = Vector{points_.x()[other], points_.y()[other]} - from;
       if (separation == Vector{}) {

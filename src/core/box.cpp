@@ -30,7 +30,30 @@ Box::Box(double width, double height, Edge edge_x, Edge edge_y)
   require_side(height, "height");
 }
 
+Box Box::shifted(double shift) const {
+  if (!std::isfinite(shift)) {
+    throw Error({.what = "the tilt of the box is " + number_text(shift / height_),
+                 .hint = "give box.tilt, xy over the height, as a finite number",
+                 .key = "box.tilt"});
+  }
+  if (shift != 0.0 && !is_periodic()) {
+    throw Error({.what = "a box that is " + std::string(edges_in_words(*this)) + " has the tilt " +
+                         number_text(shift / height_),
+                 .hint = "only a box that is periodic along x and y can be oblique: box.edge = \"periodic\"",
+                 .key = "box.tilt"});
+  }
+  Box box = *this;
+  double const widths = widths_in(shift);
+  box.shift_ = widths == 0.0 ? shift : shift - widths * width_;
+  return box;
+}
+
 Vector Box::displacement_of_images(Vector from, Vector to) const {
+  if (is_oblique()) {
+    Vector const d = displacement_inside(from, to);
+    if (std::abs(d.x) <= half_period_x_ && std::abs(d.y) <= half_period_y_) return d;
+    return displacement_inside(inside(from), inside(to));
+  }
   // Computed for each component alone, so that x does not depend on y.
   auto const component = [](double a, double b, double side, bool is_periodic) {
     if (!is_periodic) return b - a;
@@ -43,6 +66,23 @@ Vector Box::displacement_of_images(Vector from, Vector to) const {
 }
 
 double Box::side() const { return width_ == height_ ? width_ : std::sqrt(area()); }
+
+Vector Box::inside(Vector p) const {
+  Vector image = p;
+  if (is_periodic_y()) {
+    image.y = image_inside(p.y, height_);
+    if (is_oblique()) image.x -= std::round((p.y - image.y) / height_) * shift_;
+  }
+  if (is_periodic_x()) image.x = image_inside(image.x, width_);
+  return image;
+}
+
+void require_rectangle(Box const& box, std::string_view what) {
+  if (!box.is_oblique()) return;
+  throw Error({.what = std::string(what) + " knows rectangles only, and box.tilt is " + number_text(box.tilt()),
+               .hint = "leave box.tilt out; protocols of soft disks, contacts and analysis know oblique boxes",
+               .key = "box.tilt"});
+}
 
 std::uint64_t number_of_edges(Box const& box) {
   if (box.edge_x() == box.edge_y()) return box.is_periodic() ? 1 : 0;

@@ -16,7 +16,9 @@ std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t se
                                   seed,
                                   agents,
                                   sum_of_agents};
-  return hash_words(record);
+  if (!box.is_oblique()) return hash_words(record);
+  std::uint64_t const of_oblique[] = {hash_words(record), word_of(box.shift())};
+  return hash_words(of_oblique);
 }
 
 void serialize(Archive& archive, Clock& clock) {
@@ -39,9 +41,11 @@ void serialize(Archive& archive, Box& box) {
     archive.visit("is_periodic_x", is_periodic_x);
     archive.visit("is_periodic_y", is_periodic_y);
   }
+  double shift = box.shift();
+  if (archive.is_restoring() ? archive.has("shift") : box.is_oblique()) archive.visit("shift", shift);
   if (!archive.is_restoring()) return;
   auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };
-  box = Box(width, height, edge(is_periodic_x), edge(is_periodic_y));
+  box = Box(width, height, edge(is_periodic_x), edge(is_periodic_y)).shifted(shift);
 }
 
 }  // namespace gridlock

@@ -13,6 +13,7 @@
 #include "core/magnitude.hpp"
 #include "exact.hpp"
 #include "gridlock/core/error.hpp"
+#include "soft.hpp"
 #include "stepped.hpp"
 #include "tiled.hpp"
 
@@ -21,8 +22,8 @@ namespace gridlock {
 namespace {
 
 /// All engines. A new engine takes one line here and two files of its own.
-std::array<EngineRecord, 3> const& registry() {
-  static std::array<EngineRecord, 3> const records{stepped_record(), tiled_record(), exact_record()};
+std::array<EngineRecord, 4> const& registry() {
+  static std::array<EngineRecord, 4> const records{stepped_record(), tiled_record(), exact_record(), soft_record()};
   return records;
 }
 
@@ -68,13 +69,31 @@ EngineRecord const& engine_record(std::string_view kind) {
 namespace {
 
 void require_propulsion(EngineRecord const& engine, EngineSettings const& settings) {
-  if (!settings.propulsion.is_on() || engine.has_time_step) return;
+  if (!settings.propulsion.is_on() || (engine.has_time_step && !engine.has_potential)) return;
+  if (engine.has_potential) {
+    if (settings.thermostat.kind == ThermostatKind::overdamped) return;
+    throw Error({.what = fmt::format("disks of the engine \"{}\" propel themselves against the friction of the "
+                                     "overdamped thermostat, but thermostat.kind is \"{}\"",
+                                     engine.name, to_text(settings.thermostat.kind)),
+                 .hint = "use thermostat.kind = \"overdamped\"",
+                 .key = "propulsion.speed"});
+  }
   if (settings.thermostat.kind == ThermostatKind::brownian) return;
   throw Error({.what = fmt::format("disks of the engine \"{}\" propel themselves from kick to kick of the Brownian "
                                    "thermostat, but thermostat.kind is \"{}\"",
                                    engine.name, to_text(settings.thermostat.kind)),
                .hint = "use thermostat.kind = \"brownian\", or engine.kind = \"tiled\" for the rule with a time step",
                .key = "propulsion.speed"});
+}
+
+/// Errors: Error for a thermostat of other engines.
+void require_thermostat(EngineRecord const& engine, ThermostatSettings const& thermostat) {
+  if (thermostat.kind == ThermostatKind::none) return;
+  if (thermostat.has_friction() ? engine.has_potential : engine.has_free_flight) return;
+  throw Error({.what = fmt::format("the engine \"{}\" has no thermostat \"{}\"", engine.name, to_text(thermostat.kind)),
+               .hint = fmt::format("use engine.kind = \"{}\", or thermostat.kind = \"none\"",
+                                   thermostat.has_friction() ? "soft" : "exact"),
+               .key = "thermostat.kind"});
 }
 
 }  // namespace
@@ -86,14 +105,13 @@ void require_known(EngineRecord const& engine, EngineSettings const& settings) {
                  .hint = fmt::format("use engine.kind = \"exact\", or {}", without),
                  .key = std::move(key)});
   };
+  require_thermostat(engine, settings.thermostat);
   if (engine.has_free_flight) return;
-  if (settings.thermostat.kind != ThermostatKind::none) {
-    refuse("thermostat", "thermostat.kind = \"none\"", "thermostat.kind");
-  }
   if (settings.collisions.lose_energy()) {
     refuse("collisions that lose energy", "collisions.restitution = 1", "collisions.restitution");
   }
   if (settings.gravity.exists()) refuse("gravity", "leave [gravity] out", "gravity");
+  if (engine.has_potential && !settings.walls.empty()) refuse("walls inside the box", "leave [[walls]] out", "walls");
 }
 
 double bytes_per_kicked_disk(EngineSettings const& settings) {
@@ -112,6 +130,7 @@ std::vector<std::string> engine_kinds() {
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
   require_known(record, settings);
+  require_rectangle(state.box, fmt::format("the engine \"{}\"", record.name));
   return record.make(settings, state);
 }
 
@@ -138,10 +157,11 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                 settings.time_step);
   visitor.visit({.key = "speed",
                  .unit = "length / time",
-                 .documentation = "The speed that time_step refers to.",
+                 .documentation = "The speed that time_step refers to; for soft disks the step is then in units of "
+                                  "σ √(m/ε).",
                  .min = 0.0,
                  .max = max_magnitude,
-                 .default_note = "velocities.max"},
+                 .default_note = "velocities.max; for soft disks √(ε/m), of the mean mass"},
                 settings.speed);
   visitor.visit({.key = "substeps",
                  .documentation = "Equal parts of a time step in which a disk tries to move.",
@@ -175,8 +195,8 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
 void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "threads",
                  .documentation =
-                     "How many threads exact, tiled and the models use; any number gives the same bits, and 0 is all "
-                     "cores that the process may use.",
+                     "How many threads exact, tiled, soft and the models use; any number gives the same bits, and 0 is "
+                     "all cores that the process may use.",
                  .max = 1024},
                 settings.threads);
 }

@@ -126,6 +126,7 @@ struct SwapMonteCarlo::Progress {
 
 SwapMonteCarlo::SwapMonteCarlo(SwapSettings const& settings, State const& state) {
   require_bounds(settings);
+  require_rectangle(state.box, "swap Monte Carlo");
   require(!state.agents.empty(), "there are no disks to move", "give at least one", "disks.count");
   double const rounding = rounding_of_contact(state);
   validate(state, {.overlap = rounding, .beyond_walls = rounding});

@@ -17,7 +17,7 @@ namespace {
 /// A flight of a twentieth of a diameter: the error of the coefficient of diffusion is a few percent in a dense system.
 constexpr double default_flight = 0.05;
 
-constexpr std::array<std::string_view, 3> kinds{"none", "andersen", "brownian"};
+constexpr std::array<std::string_view, 5> kinds{"none", "andersen", "brownian", "langevin", "overdamped"};
 
 /// Kicks that come so often that disks do not move between them would never end. `speed` is in diameters per time.
 void require_countable_kicks(ThermostatSettings const& settings, double speed, double now) {
@@ -40,13 +40,14 @@ void describe(ThermostatSettings& settings, SettingVisitor& visitor) {
   visit_enum(
       visitor,
       {.key = "kind",
-       .documentation = "Whether disks of the engine exact get new Maxwell velocities: never with \"none\", each "
-                        "alone at random times with \"andersen\", all at once after every interval with "
-                        "\"brownian\", which is event-driven Brownian dynamics."},
+       .documentation = "Whether disks exchange energy with a bath: not with \"none\"; in the engine exact each gets "
+                        "new Maxwell velocities alone at random times with \"andersen\", all at once after every "
+                        "interval with \"brownian\", which is event-driven Brownian dynamics; in the engine soft they "
+                        "feel friction and noise with \"langevin\", and have no inertia with \"overdamped\"."},
       kinds, settings.kind);
   visitor.visit({.key = "temperature",
                  .unit = "energy",
-                 .documentation = "kT: each component of a new velocity has the variance kT/m.",
+                 .documentation = "kT of the bath: each component of a Maxwell velocity has the variance kT/m.",
                  .min = 0.0,
                  .max = max_magnitude,
                  .min_is_allowed = false,
@@ -71,6 +72,15 @@ void describe(ThermostatSettings& settings, SettingVisitor& visitor) {
        .min_is_allowed = false,
        .default_note = "0.05 σ √(m/kT), of the mean mass and the smallest diameter"},
       settings.interval);
+  visitor.visit(
+      {.key = "friction",
+       .unit = "1 / time",
+       .documentation = "langevin and overdamped: γ, friction over mass; a free disk diffuses with kT/(m · γ).",
+       .min = 0.0,
+       .max = max_magnitude,
+       .min_is_allowed = false,
+       .default_note = "√(kT/m)/σ, of the mean mass and the smallest diameter"},
+      settings.friction);
 }
 
 std::string_view to_text(ThermostatKind kind) { return kinds[static_cast<std::size_t>(kind)]; }
@@ -95,7 +105,8 @@ ThermostatSettings resolved(ThermostatSettings const& settings, State const& sta
   double const speed = std::sqrt(*full.temperature / mean_mass(disks));
   if (!full.rate && full.kind == ThermostatKind::andersen) full.rate = speed / diameter;
   if (!full.interval && full.kind == ThermostatKind::brownian) full.interval = default_flight * diameter / speed;
-  require_countable_kicks(full, speed / diameter, state.clock.time);
+  if (!full.friction && full.has_friction()) full.friction = speed / diameter;
+  if (!full.has_friction()) require_countable_kicks(full, speed / diameter, state.clock.time);
   return full;
 }
 

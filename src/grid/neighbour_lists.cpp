@@ -12,6 +12,7 @@
 
 #include "core/magnitude.hpp"
 #include "grid/candidate_pairs.hpp"
+#include "grid/oblique_lists.hpp"
 #include "grid/require.hpp"
 #include "grid/sorted_pairs.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
@@ -342,6 +343,7 @@ PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInM
   NearPairs const none(box, reach, centres, radius);
   NearPairs all = none;
   if (centres.count == 0) return all.pairs();
+  if (box.is_oblique()) return find_pairs_of_disks_in_oblique(box, reach, centres, radius, threads);
   ThreadPool pool(threads);
   std::vector<SizeClass> const classes = classes_of(box, reach, centres, radius);
   auto const reach_of = [&](SizeClass const& a, SizeClass const& b) {
@@ -388,12 +390,14 @@ PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInM
 }
 
 PointPairs find_pairs(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads) {
+  if (box.is_oblique()) return find_pairs_in_oblique(box, cutoff, points, threads);
   ThreadPool pool(threads);
   return Search(frame_of(box, cutoff, points), cutoff, points, pool).pairs();
 }
 
 NeighbourLists find_neighbour_lists(Box const& box, double cutoff, PointsInMemory const& points,
                                     std::uint64_t threads) {
+  if (box.is_oblique()) return lists_of(find_pairs_in_oblique(box, cutoff, points, threads), points.count);
   ThreadPool pool(threads);
   return Search(frame_of(box, cutoff, points), cutoff, points, pool).lists(points.count);
 }

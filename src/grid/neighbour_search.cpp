@@ -1,7 +1,9 @@
 #include "gridlock/grid/neighbour_search.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,9 +21,23 @@ NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double
   require_box_for(box, cutoff);
   require_equal_lengths(x, y);
   require_point_count(x.size());
+  if (box.is_oblique()) {
+    search_oblique();
+    return;
+  }
   CellLayout const layout = plain_layout();
   // PackedGrid itself checks that points are finite.
   if (!make_grid_of_crowd(layout)) grid_ = PackedGrid(layout, x_, y_);
+}
+
+NeighbourSearch::Oblique::Oblique(Box const& box, double wanted, std::span<double const> x, std::span<double const> y)
+    : points(box, searched_distance(wanted), x, y, ObliquePoints::Images::around),
+      cutoff(std::min(searched_distance(wanted), 0.5 * box.width())),
+      grid(layout_for_cutoff(points.frame(), cutoff, points.size()), points.x(), points.y()) {}
+
+void NeighbourSearch::search_oblique() {
+  require_points(x_, y_);
+  oblique_ = std::make_shared<Oblique>(box_, cutoff_, x_, y_);
 }
 
 CellLayout NeighbourSearch::plain_layout() const {
@@ -63,6 +79,10 @@ void NeighbourSearch::update(std::span<double const> x, std::span<double const> 
   }
   x_ = x;
   y_ = y;
+  if (oblique_) {
+    search_oblique();
+    return;
+  }
   if (crowd_) {
     arrivals_ += crowd_->move_all(x, y);
     if (arrivals_ <= size()) return;

@@ -14,6 +14,7 @@
 #include "grid/pairs.hpp"
 #include "grid/validate_rows.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/neighbour_search.hpp"
 
 namespace gridlock {
 
@@ -51,10 +52,17 @@ void for_each_overlap(State const& state, Visit visit) {
   if (state.agents.empty()) return;
   auto const r = state.agents.column<Radius>();
   double const cutoff = 2.0 * radius_range(state.agents).largest;
-  for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
+  auto const visit_overlap = [&](std::size_t i, std::size_t j, Vector separation) {
     double const gap = gap_of_overlap(r[i] + r[j], squared_length(separation), 0.0);
     if (gap < 0.0) visit(i, j, gap);
-  });
+  };
+  if (state.box.is_oblique()) {
+    double const longest = std::min(cutoff, 0.5 * state.box.shortest_period());
+    NeighbourSearch(state.box, longest, state.agents.column<X>(), state.agents.column<Y>())
+        .for_each_pair(visit_overlap);
+  } else {
+    for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, visit_overlap);
+  }
 }
 
 /// Counts overlaps and keeps those of the first rows, whatever the order in which they are added.

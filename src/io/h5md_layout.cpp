@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "io/xyz_header.hpp"
+
 namespace gridlock::h5md {
 
 namespace {
@@ -51,6 +53,20 @@ std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary) {
   return {edge(0), edge(1)};
 }
 
+Box box_of(double width, double height, double shift, std::pair<Edge, Edge> const& edges) {
+  return Box(width, height, edges.first, edges.second).shifted(shift);
+}
+
+void lean(Box const& box, double shift, std::vector<double>& x, std::vector<double> const& y,
+          std::vector<std::int32_t>* images_x, std::vector<std::int32_t> const* images_y) {
+  for (std::size_t row = 0; row < x.size(); ++row) {
+    double place = y[row];
+    x[row] -= xyz::fold(place, box.height()) * box.shift();
+    if (images_x != nullptr && images_y != nullptr)
+      (*images_x)[row] += static_cast<std::int32_t>(box.widths_in(shift) * (*images_y)[row]);
+  }
+}
+
 std::vector<std::string> column_names(std::string const& element, bool is_vector) {
   if (!is_vector) return {element};
   if (element == "position") return {"x", "y"};
@@ -72,6 +88,8 @@ Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, 
   std::uint64_t const wholes[] = {number_of_edges(box), clock.step, seed, agents, state_hash};
   sum.add(std::span(reals));
   sum.add(std::span(wholes));
+  double const shift[] = {box.shift()};
+  if (box.is_oblique()) sum.add(std::span(shift));
   return sum;
 }
 

@@ -19,6 +19,12 @@ namespace gridlock::h5md {
 std::vector<std::string> boundary_of(Box const& box);
 /// Returns the edges along x and y. Values that a file of another program leaves out are those of x.
 std::pair<Edge, Edge> edges_of(std::vector<std::string> const& boundary);
+/// Moves x to the left by the shift of the box for each edge of y that folding takes a position across, and
+/// counts the edges of x that images have crossed in `box`, which leans by whole widths less than `shift`.
+void lean(Box const& box, double shift, std::vector<double>& x, std::vector<double> const& y,
+          std::vector<std::int32_t>* images_x, std::vector<std::int32_t> const* images_y);
+/// Returns the box with the edge vectors (width, 0) and (shift, height). Errors: Error where there is none.
+Box box_of(double width, double height, double shift, std::pair<Edge, Edge> const& edges);
 
 inline constexpr std::uint64_t absent_id = std::numeric_limits<std::uint64_t>::max();
 /// Maximum number of agents in a chunk, so that a chunk of 64-bit numbers takes 1 MiB.

@@ -33,6 +33,13 @@ struct Span {
   }
 };
 
+/// The vectors (width, 0) and (shift, height) of a box.
+struct Vectors {
+  double width;
+  double height;
+  double shift = 0.0;
+};
+
 /// Moves positions into the periodic box and updates their images, so that each pair denotes the same point as before.
 void fold_all(std::vector<double>& values, double side, std::vector<std::int32_t>* images) {
   for (std::size_t row = 0; row < values.size(); ++row) {
@@ -103,13 +110,13 @@ class OtherTrajectory final : public Source {
 
   [[nodiscard]] H5mdFrame read_frame(std::size_t k) const;
   [[nodiscard]] std::vector<std::size_t> row_index(std::size_t k, std::vector<Id>& ids) const;
-  [[nodiscard]] std::pair<double, double> sides_at(std::size_t k) const;
+  [[nodiscard]] Vectors vectors_at(std::size_t k) const;
   [[nodiscard]] std::vector<double> component(Quantity const& quantity, std::size_t k, std::size_t c) const;
   [[nodiscard]] FrameValues values(Quantity const& quantity, std::size_t k, std::size_t c) const {
     return values_of(file_, quantity, {.frame = k, .component = c, .agents = agents_});
   }
   void require_plane(std::size_t k) const;
-  void put_inside(Frame& frame) const;
+  void put_inside(Frame& frame, double shift) const;
 
   std::filesystem::path path_;
   std::uint64_t bytes_ = 0;
@@ -266,8 +273,8 @@ void OtherTrajectory::surround() {
   }
 }
 
-/// Returns the sides of the box in frame k. Edges are lengths or a matrix, fixed or with steps of their own.
-std::pair<double, double> OtherTrajectory::sides_at(std::size_t k) const {
+/// Returns the vectors of the box in frame k. Edges are lengths or a matrix, fixed or with steps of their own.
+Vectors OtherTrajectory::vectors_at(std::size_t k) const {
   if (around_) return {around_->first.max - around_->first.min, around_->second.max - around_->second.min};
   std::string const path = group_ + "/box/edges";
   std::vector<double> edges;
@@ -297,8 +304,11 @@ std::pair<double, double> OtherTrajectory::sides_at(std::size_t k) const {
   if (edges.size() == d) return {edges[0], edges[1]};
   if (edges.size() != d * d)
     throw hdf5::Failure(fmt::format("{} has {} numbers in {} dimensions", path, edges.size(), d));
-  if (edges[1] != 0.0 || edges[d] != 0.0) throw hdf5::Failure("its box is sheared, and boxes here are rectangles");
-  return {edges[0], edges[d + 1]};
+  if (edges[1] != 0.0) {
+    throw hdf5::Failure(
+        fmt::format("the first edge of its box is ({:.6g}, {:.6g}), and here it must lie along x", edges[0], edges[1]));
+  }
+  return {edges[0], edges[d + 1], edges[d]};
 }
 
 std::vector<double> OtherTrajectory::component(Quantity const& quantity, std::size_t k, std::size_t c) const {
@@ -357,21 +367,26 @@ void OtherTrajectory::require_plane(std::size_t k) const {
 /// Moves positions into the box, with its lower left corner as origin. Along periodic axes the file's origin does not
 /// matter, since positions are folded and images updated. Between walls a negative position shows that the origin is
 /// the middle of the box.
-void OtherTrajectory::put_inside(Frame& frame) const {
-  auto const put = [&](std::size_t c, char const* image, double side, bool is_periodic, Span const* around) {
-    auto& values = std::get<std::vector<double>>(frame.columns[c].values);
-    auto const is_image = [&](FrameColumn const& column) { return column.name == image; };
-    auto const found = std::ranges::find_if(frame.columns, is_image);
-    auto* const images =
-        found == frame.columns.end() ? nullptr : std::get_if<std::vector<std::int32_t>>(&found->values);
+void OtherTrajectory::put_inside(Frame& frame, double shift) const {
+  auto const images_of = [&](char const* image) {
+    auto const found = std::ranges::find(frame.columns, image, &FrameColumn::name);
+    return found == frame.columns.end() ? nullptr : std::get_if<std::vector<std::int32_t>>(&found->values);
+  };
+  auto& x = std::get<std::vector<double>>(frame.columns[0].values);
+  auto& y = std::get<std::vector<double>>(frame.columns[1].values);
+  auto* const images_x = images_of(ImageX::name);
+  auto* const images_y = images_of(ImageY::name);
+  if (frame.box.is_oblique()) lean(frame.box, shift, x, y, images_x, images_y);
+  auto const put = [&](std::vector<double>& values, double side, bool is_periodic, std::vector<std::int32_t>* images,
+                       Span const* around) {
     if (is_periodic) {
       fold_all(values, side, images);
     } else {
       count_from_wall(values, side, around);
     }
   };
-  put(0, ImageX::name, frame.box.width(), frame.box.is_periodic_x(), around_ ? &around_->first : nullptr);
-  put(1, ImageY::name, frame.box.height(), frame.box.is_periodic_y(), around_ ? &around_->second : nullptr);
+  put(x, frame.box.width(), frame.box.is_periodic_x(), images_x, around_ ? &around_->first : nullptr);
+  put(y, frame.box.height(), frame.box.is_periodic_y(), images_y, around_ ? &around_->second : nullptr);
 }
 
 FrameValues in_order(FrameValues const& values, std::vector<std::size_t> const& rows) {
@@ -398,11 +413,11 @@ H5mdFrame OtherTrajectory::read_frame(std::size_t k) const {
   require_plane(k);
   H5mdFrame result;
   Frame& frame = result.frame;
-  auto const [width, height] = sides_at(k);
+  auto const [width, height, shift] = vectors_at(k);
   try {
-    frame.box = Box(width, height, edges_.first, edges_.second);
+    frame.box = box_of(width, height, shift, edges_);
   } catch (Error const&) {
-    throw hdf5::Failure(fmt::format("the box of frame {} is {} × {}", k, width, height));
+    throw hdf5::Failure(fmt::format("the box of frame {} is {} × {} with the shift {}", k, width, height, shift));
   }
   frame.clock = clocks_[k];
   std::vector<std::size_t> const rows = row_index(k, frame.ids);
@@ -416,7 +431,7 @@ H5mdFrame OtherTrajectory::read_frame(std::size_t k) const {
       frame.columns.push_back({.name = names[frame.columns.size()], .values = in_order(of_all, rows)});
     }
   }
-  put_inside(frame);
+  put_inside(frame, shift);
   for (H5mdObservable const& observable : settings_.observables) {
     Handle const values_of = hdf5::open_dataset(file_, "/observables/" + observable.name + "/value");
     result.observables.push_back(hdf5::read_as<double>(values_of, {{k}, {1}}).front());

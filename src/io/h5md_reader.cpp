@@ -140,7 +140,7 @@ Box OwnTrajectory::read_box(std::size_t k) const {
   constexpr hsize_t d = h5md::dimensions;
   auto const edges = hdf5::read<double>(dataset(group_ + "/box/edges/value", 3), {{k, 0, 0}, {1, d, d}});
   try {
-    return Box(edges[0], edges[d + 1], edges_.first, edges_.second);
+    return h5md::box_of(edges[0], edges[d + 1], edges[d], edges_);
   } catch (Error const&) {
     throw hdf5::Failure(fmt::format("the box of frame {} is {} × {}", k, edges[0], edges[d + 1]));
   }

@@ -436,7 +436,7 @@ void H5mdWriter::Trajectory::put_box(Handle const& file, Box const& box) const {
   constexpr hsize_t d = h5md::dimensions;
   std::array<hsize_t, 3> const extent{frame_count() + 1, d, d};
   hdf5::require(H5Dset_extent(edges.id(), extent.data()), "extend the box");
-  double const numbers[] = {box.width(), 0, 0, 0, box.height(), 0, 0, 0, 1};
+  double const numbers[] = {box.width(), 0, 0, box.shift(), box.height(), 0, 0, 0, 1};
   hdf5::write(edges, {{frame_count(), 0, 0}, {1, d, d}}, std::span<double const>(numbers));
 }
 

@@ -42,15 +42,11 @@ std::optional<std::uint64_t> whole_number(std::string_view word) {
 /// Returns whether a value is a rounding error of 0, which programs that rotate boxes leave.
 bool is_rounding(double value, double side) { return std::abs(value) <= 1e-12 * side; }
 
-/// Throws an Error about a box that is skewed, or rotated against x and y.
+/// Throws an Error about a box whose first side does not lie along x.
 [[noreturn]] void refuse_sides(Lines const& lines, Entry const& entry, std::vector<double> const& lattice) {
-  double const product = lattice[0] * lattice[3] + lattice[1] * lattice[4];
-  double const lengths = std::hypot(lattice[0], lattice[1]) * std::hypot(lattice[3], lattice[4]);
-  std::string const what = is_rounding(product, lengths)
-                               ? fmt::format("the sides ({}, {}) and ({}, {}) of the Lattice do not lie along x and y",
-                                             lattice[0], lattice[1], lattice[3], lattice[4])
-                               : fmt::format("the Lattice {} is not orthogonal", in_quotes(entry.value));
-  lines.refuse(what, "the box must be a rectangle with sides along x and y: width 0 0 0 height 0 0 0 1", entry.column);
+  lines.refuse(fmt::format("the side ({}, {}) of the Lattice does not lie along x", lattice[0], lattice[1]),
+               "the box must be a rectangle, width 0 0 0 height 0 0 0 1, or a sheared one, width 0 0 xy height 0 0 0 1",
+               entry.column);
 }
 
 Sides read_sides(Lines const& lines, Entry const& entry) {
@@ -60,12 +56,13 @@ Sides read_sides(Lines const& lines, Entry const& entry) {
   if (lattice.size() == 3) lattice = {lattice[0], 0, 0, 0, lattice[1], 0, 0, 0, lattice[2]};
   if (lattice.size() != 9) refuse_entry(lines, entry, "nine finite numbers");
   double const longest = std::max(std::hypot(lattice[0], lattice[1]), std::hypot(lattice[3], lattice[4]));
-  if (!is_rounding(lattice[1], longest) || !is_rounding(lattice[3], longest)) refuse_sides(lines, entry, lattice);
+  if (!is_rounding(lattice[1], longest)) refuse_sides(lines, entry, lattice);
   Sides sides{.width = lattice[0], .height = lattice[4]};
   if (!(sides.width > 0.0 && sides.height > 0.0)) {
     lines.refuse(fmt::format("the box of {} × {} has no area", sides.width, sides.height), "both sides must be above 0",
                  entry.column);
   }
+  if (!is_rounding(lattice[3], longest)) sides.shift = lattice[3];
   for (std::size_t const i : {2, 5, 6, 7}) {
     if (!is_rounding(lattice[i], std::max(longest, std::abs(lattice[8])))) sides.leans = true;
   }
@@ -210,7 +207,7 @@ Box box_of_disks(Lines const& lines, Header const& header) {
   }
   int const lattice = header.entry("Lattice")->column;
   if (header.sides->leans) {
-    lines.refuse(fmt::format("the Lattice {} is not orthogonal", in_quotes(header.entry("Lattice")->value)),
+    lines.refuse(fmt::format("the Lattice {} leans out of the plane", in_quotes(header.entry("Lattice")->value)),
                  "only boxes in the plane can be simulated: width 0 0 0 height 0 0 0 1", lattice);
   }
   if (!header.columns) {
@@ -222,7 +219,13 @@ Box box_of_disks(Lines const& lines, Header const& header) {
                  header.entry("Properties")->column);
   }
   auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };
-  return {header.sides->width, header.sides->height, edge(header.is_periodic[0]), edge(header.is_periodic[1])};
+  Box const rectangle(header.sides->width, header.sides->height, edge(header.is_periodic[0]),
+                      edge(header.is_periodic[1]));
+  if (header.sides->shift != 0.0 && !rectangle.is_periodic()) {
+    lines.refuse(fmt::format("the box has the shift {:.6g} and walls", header.sides->shift),
+                 "only a box that is periodic along x and y can be oblique: pbc=\"T T F\"", lattice);
+  }
+  return rectangle.shifted(header.sides->shift);
 }
 
 }  // namespace gridlock::xyz

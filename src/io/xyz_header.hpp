@@ -14,10 +14,11 @@
 
 namespace gridlock::xyz {
 
-/// The rectangle that a Lattice describes.
+/// The rectangle that a Lattice describes, and its shift xy.
 struct Sides {
   double width = 0.0;
   double height = 0.0;
+  double shift = 0.0;
   bool leans = false;  ///< out of the plane: the third vector is not along z, or another has a z component
 };
 

@@ -91,6 +91,7 @@ Reader::Reader(TextReader text, FrameChoice choice) : lines_(std::move(text)), c
     count_ = choice_.frame ? count_of_first_line(lines_) : read_count(lines_);
     header_ = read_header(lines_);
     box_ = box_of_disks(lines_, header_);
+    widths_ = box_.widths_in(header_.sides->shift);
     first_row_line_ = lines_.number() + 1;
   });
 }
@@ -197,8 +198,13 @@ void Reader::put_inside(Row& row) {
   if (header_.origin.y != 0.0) row.position.y -= header_.origin.y;
   if (!box_.has_images()) return;
   Vector const outside = row.position;
+  if (box_.is_oblique()) row.image_x += static_cast<std::int32_t>(widths_ * row.image_y);
+  if (box_.is_periodic_y()) {
+    std::int32_t const before = row.image_y;
+    row.image_y = folded(row.position.y, box_.height(), row.image_y);
+    row.position.x -= (row.image_y - before) * box_.shift();
+  }
   if (box_.is_periodic_x()) row.image_x = folded(row.position.x, box_.width(), row.image_x);
-  if (box_.is_periodic_y()) row.image_y = folded(row.position.y, box_.height(), row.image_y);
   if (!(outside.x == row.position.x && outside.y == row.position.y)) ++folded_;
 }
 

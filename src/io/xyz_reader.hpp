@@ -110,6 +110,7 @@ class Reader {
   int first_row_line_ = 3;  ///< line number of the first row
   Header header_;
   Box box_;
+  double widths_ = 0.0;  ///< by which the Lattice leans farther than the box that stands for it
   std::uint64_t folded_ = 0;
   std::uint64_t next_row_ = 0;
   std::vector<Word> words_;

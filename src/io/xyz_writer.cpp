@@ -121,9 +121,10 @@ std::string header(FrameSource const& frame, std::vector<PropertyColumns> const&
   }
   std::string const pbc =
       fmt::format("{} {} F", frame.box().is_periodic_x() ? 'T' : 'F', frame.box().is_periodic_y() ? 'T' : 'F');
-  return fmt::format("{}\nLattice=\"{} 0 0 0 {} 0 0 0 1\" pbc=\"{}\" Properties={} Time={} step={} seed={}\n",
-                     frame.size(), double_text(frame.box().width()), double_text(frame.box().height()), pbc, names,
-                     double_text(frame.clock().time), frame.clock().step, frame.seed());
+  return fmt::format("{}\nLattice=\"{} 0 0 {} {} 0 0 0 1\" pbc=\"{}\" Properties={} Time={} step={} seed={}\n",
+                     frame.size(), double_text(frame.box().width()), double_text(frame.box().shift()),
+                     double_text(frame.box().height()), pbc, names, double_text(frame.clock().time), frame.clock().step,
+                     frame.seed());
 }
 
 /// Formats the rows of a frame as text.

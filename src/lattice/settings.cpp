@@ -46,6 +46,13 @@ void describe(BoxSettings& settings, SettingVisitor& visitor) {
                  .max = max_magnitude,
                  .default_note = "box.side"},
                 settings.height);
+  visitor.visit(
+      {.key = "tilt",
+       .documentation = "xy/L_y of an oblique periodic box: its images above are tilt · height farther to the "
+                        "right. A tilt beyond ½ L_x/L_y counts as the same box with a smaller one.",
+       .min = -1e6,
+       .max = 1e6},
+      settings.tilt);
 }
 
 void describe(SpeciesSettings& settings, SettingVisitor& visitor) {

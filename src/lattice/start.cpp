@@ -271,7 +271,7 @@ Box make_box(BoxSettings const& settings) {
   Box const box(settings.width.value_or(settings.side), settings.height.value_or(settings.side), edge_x_of(settings),
                 edge_y_of(settings));
   if (auto problem = find_extreme_sides(box)) throw Error(*std::move(problem));
-  return box;
+  return box.tilted(settings.tilt);
 }
 
 std::uint64_t count_of(DisksSettings const& settings) { return settings.count.value_or(841); }
@@ -322,6 +322,8 @@ StartOfDisks::StartOfDisks(Box const& whole_box, DisksSettings const& settings, 
                  .key = "disks.start"});
   }
   radius = wanted_radius(settings, box, kinds);
+  // Only points that regard no other disk lie in an oblique box as in a rectangle.
+  if (settings.start != StartKind::uniform) require_rectangle(box, "a start without overlaps");
   if (settings.start == StartKind::random) {
     plan_->site_of = [sites = random_sites(box, settings, kinds, radius, seed)](std::size_t i) { return sites[i]; };
   } else if (settings.start == StartKind::uniform) {

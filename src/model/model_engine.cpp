@@ -16,6 +16,7 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model) 
                  .hint = "check the lengths among its settings",
                  .key = std::string(model)});
   }
+  require_rectangle(box, fmt::format("the model {}", model));
   double const shorter = box.shortest_period();
   if (2.0 * cutoff <= shorter) return;
   throw Error({.what = fmt::format("the cutoff of the model {}, {:.6g}, is more than half a side of the periodic box, "

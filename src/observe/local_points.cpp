@@ -84,6 +84,10 @@ void put_in_order_of_cells(CellLayout const& layout, PointsOfCells& points, std:
 LocalPoints::LocalPoints(Box const& box, std::span<double const> x, std::span<double const> y, double cutoff,
                          Communicator& processes, std::size_t count)
     : cutoff_(cutoff), points_{box, x, y}, own_(x.size()) {
+  if (box.is_oblique()) {
+    oblique_.emplace(box, cutoff, x, y);
+    return;
+  }
   CellLayout const layout = layout_for_cutoff(box, cutoff, count);
   if (processes.count() == 1) {
     grid_.emplace(layout, x, y);

@@ -23,6 +23,7 @@
 #include "observe/pressure.hpp"
 #include "observe/rates.hpp"
 #include "observe/speed.hpp"
+#include "observe/stress.hpp"
 #include "observe/swim.hpp"
 #include "observe/temperature_by_kind.hpp"
 #include "observe/velocity_autocorrelation.hpp"
@@ -189,6 +190,7 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   observables.push_back(std::make_unique<Rates>(dynamics.halts_moves));
   if (dynamics.has_impulses) observables.push_back(std::make_unique<Pressure>());
   if (dynamics.propels) observables.push_back(std::make_unique<SwimSpeed>());
+  if (dynamics.potential) observables.push_back(std::make_unique<Stress>(dynamics));
   observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
   if (settings.structure_every > 0) {
     observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
@@ -242,6 +244,9 @@ std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings) {
   for (auto const& observable : make_observables(settings, {state, counters}, {.propels = true})) {
     std::ranges::move(observable->columns(), std::back_inserter(columns));
   }
+  Stress of_soft_disks({.potential = PotentialSettings{}});
+  of_soft_disks.begin({state, counters});
+  std::ranges::move(of_soft_disks.columns(), std::back_inserter(columns));
   return columns;
 }
 

@@ -82,6 +82,15 @@ double ElasticModuli::min_shear() const {
   return shear() - std::sqrt(half_difference * half_difference + between * between);
 }
 
+double simple_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& network) {
+  StressTensor const& stress = network.stress;
+  return moduli.shear_xy() - 0.5 * network.pressure + 0.5 * (stress.yy - stress.xx);
+}
+
+double pure_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& network) {
+  return moduli.shear_xx_yy() - 0.5 * network.pressure;
+}
+
 std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& network) {
   if (network.backbone_disks == 0 || network.tolerance > 0.0) return std::nullopt;
   Unknowns const unknowns = held(network);

@@ -1,35 +1,14 @@
 #pragma once
 
-#include <cmath>
-
+#include "core/overlap_law.hpp"
 #include "gridlock/packing/soft_disks.hpp"
 
 namespace gridlock {
 
-/// The potential of soft disks and its derivatives as functions of the overlap δ and the contact distance σ; all are 0
-/// without overlap. Only square roots are used, so that every compiler gives the same bits.
-class Law {
+/// The potential of soft disks at rest, in units of ε.
+class Law : public OverlapLaw {
  public:
-  explicit Law(Potential potential) : is_harmonic_(potential == Potential::harmonic) {}
-
-  /// Returns V = δ^α/α.
-  [[nodiscard]] double energy(double overlap) const {
-    if (overlap <= 0.0) return 0.0;
-    return is_harmonic_ ? 0.5 * overlap * overlap : 0.4 * overlap * overlap * std::sqrt(overlap);
-  }
-  /// Returns −dV/dr = δ^(α−1)/σ.
-  [[nodiscard]] double force(double overlap, double contact_distance) const {
-    if (overlap <= 0.0) return 0.0;
-    return (is_harmonic_ ? overlap : overlap * std::sqrt(overlap)) / contact_distance;
-  }
-  /// Returns d²V/dr² = (α−1) δ^(α−2)/σ².
-  [[nodiscard]] double stiffness(double overlap, double contact_distance) const {
-    if (overlap <= 0.0) return 0.0;
-    return (is_harmonic_ ? 1.0 : 1.5 * std::sqrt(overlap)) / (contact_distance * contact_distance);
-  }
-
- private:
-  bool is_harmonic_;
+  explicit Law(Potential potential) : OverlapLaw(potential == Potential::harmonic) {}
 };
 
 }  // namespace gridlock

@@ -340,6 +340,8 @@ PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
   if (std::optional<ElasticModuli> const moduli = find_elastic_moduli(packing, network)) {
     level.bulk_modulus = moduli->bulk();
     level.shear_modulus = moduli->shear();
+    level.simple_shear_modulus = simple_shear_modulus(*moduli, network);
+    level.pure_shear_modulus = pure_shear_modulus(*moduli, network);
     level.least_shear_modulus = moduli->min_shear();
   }
   return level;
@@ -360,6 +362,8 @@ void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
   serialize_column(archive, "excess_contacts", count, levels, &PressureLevel::excess_contacts);
   serialize_column(archive, "bulk_modulus", count, levels, &PressureLevel::bulk_modulus);
   serialize_column(archive, "shear_modulus", count, levels, &PressureLevel::shear_modulus);
+  serialize_column(archive, "simple_shear_modulus", count, levels, &PressureLevel::simple_shear_modulus);
+  serialize_column(archive, "pure_shear_modulus", count, levels, &PressureLevel::pure_shear_modulus);
   serialize_column(archive, "least_shear_modulus", count, levels, &PressureLevel::least_shear_modulus);
   serialize_column(archive, "jamming_packing_fraction", count, levels, &PressureLevel::jamming_packing_fraction);
 }

@@ -59,10 +59,20 @@ SoftForces::SoftForces(Packing const& packing, Potential potential, std::uint64_
                  .hint = "use fewer disks",
                  .key = "disks.count"});
   }
+}
+
+Vector SoftForces::shift_of(std::uint32_t entry) const {
+  std::uint32_t const image_y = entry >> (partner_bits + image_bits);
+  return {shifts_x_[(entry >> partner_bits) & image_mask] + slants_[image_y], shifts_y_[image_y]};
+}
+
+void SoftForces::take_box(Box const& box) {
+  box_ = box;
   std::size_t place = 0;
   for (int image = -farthest_image; image <= farthest_image; ++image, ++place) {
-    shifts_x_[place] = image * packing.box.width();
-    shifts_y_[place] = image * packing.box.height();
+    shifts_x_[place] = image * box.width();
+    shifts_y_[place] = image * box.height();
+    slants_[place] = image * box.shift();
   }
 }
 
@@ -74,8 +84,8 @@ std::uint32_t SoftForces::entry_of(Packing const& packing, std::uint32_t i, std:
     Vector const to{packing.x[j], packing.y[j]};
     Vector const nearest = packing.box.displacement(from, to);
     Vector const d = to - from;
-    image_x = image_of(d.x, nearest.x, packing.box.width());
     image_y = image_of(d.y, nearest.y, packing.box.height());
+    image_x = image_of(d.x + image_y * packing.box.shift(), nearest.x, packing.box.width());
   }
   auto const code_x = static_cast<std::uint32_t>(image_x + farthest_image);
   auto const code_y = static_cast<std::uint32_t>(image_y + farthest_image);
@@ -109,11 +119,13 @@ double SoftForces::update_rows(Packing const& packing) {
 }
 
 void SoftForces::refresh(Packing const& packing) {
-  if (!(update_rows(packing) < skin_)) build(packing);
+  bool const is_far = !(update_rows(packing) < skin_);
+  if (is_far || packing.box != box_) build(packing);
 }
 
 void SoftForces::build(Packing const& packing) {
   double const largest = largest_contact_distance(packing.radius);
+  take_box(packing.box);
   skin_ = skin_of_smallest_ * smallest_diameter(packing);
   if (packing.box.is_periodic() && packing.size() > 1) {
     double const half = 0.5 * std::min(packing.box.width(), packing.box.height());
@@ -190,6 +202,7 @@ GRIDLOCK_AVX512 std::size_t SoftForces::find_touching_of_eights(std::size_t firs
   __m512i const second_pairs = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   __m512d const shifts_x = _mm512_loadu_pd(shifts_x_.data());
   __m512d const shifts_y = _mm512_loadu_pd(shifts_y_.data());
+  __m512d const slants = _mm512_loadu_pd(slants_.data());
   __m256i const partner = _mm256_set1_epi32(static_cast<int>(partner_mask));
   SoftDiskRow const* const rows = rows_.data();
   std::size_t k = first;
@@ -203,8 +216,10 @@ GRIDLOCK_AVX512 std::size_t SoftForces::find_touching_of_eights(std::size_t firs
     __m512d const distances_ab = _mm512_unpacklo_pd(a, b);
     __m512d const distances_cd = _mm512_unpacklo_pd(c, d);
     __m512i const entries = _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<__m256i const*>(entry)));
-    __m512d const shift_x = _mm512_permutexvar_pd(_mm512_srli_epi64(entries, partner_bits), shifts_x);
-    __m512d const shift_y = _mm512_permutexvar_pd(_mm512_srli_epi64(entries, partner_bits + image_bits), shifts_y);
+    __m512i const images_y = _mm512_srli_epi64(entries, partner_bits + image_bits);
+    __m512d const shift_y = _mm512_permutexvar_pd(images_y, shifts_y);
+    __m512d const shift_x = _mm512_add_pd(_mm512_permutexvar_pd(_mm512_srli_epi64(entries, partner_bits), shifts_x),
+                                          _mm512_permutexvar_pd(images_y, slants));
     __m512d const dx = _mm512_add_pd(_mm512_permutex2var_pd(distances_ab, first_pairs, distances_cd), shift_x);
     __m512d const dy = _mm512_add_pd(_mm512_permutex2var_pd(distances_ab, second_pairs, distances_cd), shift_y);
     __m512d const sigma = _mm512_permutex2var_pd(_mm512_unpackhi_pd(a, b), first_pairs, _mm512_unpackhi_pd(c, d));
@@ -237,8 +252,9 @@ std::size_t SoftForces::find_touching(std::size_t first, std::size_t end, Touchi
     std::uint32_t const j = entries_[k] & partner_mask;
     SoftDiskRow const& own = rows_[i];
     SoftDiskRow const& other = rows_[j];
-    double const dx = (other.x - own.x) + shifts_x_[(entries_[k] >> partner_bits) & image_mask];
-    double const dy = (other.y - own.y) + shifts_y_[entries_[k] >> (partner_bits + image_bits)];
+    Vector const shift = shift_of(entries_[k]);
+    double const dx = (other.x - own.x) + shift.x;
+    double const dy = (other.y - own.y) + shift.y;
     double const square = dx * dx + dy * dy;
     double const sigma = own.radius + other.radius;
     touching.first[count] = i;
@@ -389,8 +405,8 @@ std::vector<Contact> SoftForces::contacts(Packing const& packing) {
     for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) {
       std::uint32_t const j = entries_[k] & partner_mask;
       if (j < i) continue;
-      Vector const d{(packing.x[j] - packing.x[i]) + shifts_x_[(entries_[k] >> partner_bits) & image_mask],
-                     (packing.y[j] - packing.y[i]) + shifts_y_[entries_[k] >> (partner_bits + image_bits)]};
+      Vector const shift = shift_of(entries_[k]);
+      Vector const d{(packing.x[j] - packing.x[i]) + shift.x, (packing.y[j] - packing.y[i]) + shift.y};
       double const sigma = packing.radius[i] + packing.radius[j];
       double const distance = std::sqrt(squared_length(d));
       if (!(1.0 - distance / sigma > 0.0)) continue;

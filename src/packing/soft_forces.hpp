@@ -105,6 +105,10 @@ class SoftForces {
                               ForceSums& sums);
   template <Potential potential>
   ForceSums evaluate_all(Packing const& packing, Columns const& velocities, Columns& forces);
+  /// Computes the shifts of images for a box.
+  void take_box(Box const& box);
+  /// Returns the shift of the image of an entry.
+  [[nodiscard]] Vector shift_of(std::uint32_t entry) const;
   [[nodiscard]] std::uint32_t entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const;
 
   Potential potential_;
@@ -117,8 +121,10 @@ class SoftForces {
   std::vector<std::uint32_t> entries_;
   std::vector<std::uint32_t> owners_;  ///< disk whose list has the entry
   std::vector<SoftDiskRow> rows_;
+  Box box_;                           ///< box at the last search
   std::array<double, 8> shifts_x_{};  ///< shift in x of an image, by the middle bits of an entry
   std::array<double, 8> shifts_y_{};  ///< shift in y of an image, by the upper bits of an entry
+  std::array<double, 8> slants_{};    ///< further shift in x of an image in an oblique box, by the upper bits
   ThreadPool pool_;
 };
 

@@ -63,6 +63,18 @@ void serialize_result(Archive& archive, StageResult& result) {
     serialize_inside(archive, "swap", [&] { serialize_swap(archive, swap); });
     result.swap = std::move(swap);
   }
+  bool has_shear = result.shear.has_value();
+  archive.visit("has_shear", has_shear);
+  if (has_shear) {
+    ShearResult shear = result.shear.value_or(ShearResult());
+    serialize_inside(archive, "shear", [&] {
+      serialize(archive, shear.minima);
+      serialize(archive, shear.events);
+      serialize(archive, shear.motions);
+      serialize(archive, shear.cycles);
+    });
+    result.shear = std::move(shear);
+  }
   serialize(archive, result.levels);
 }
 
@@ -112,7 +124,13 @@ void take_over_jamming_packing_fraction(StageResult const& before, StageResult& 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
   require_valid(settings_.stages, packing_fraction_of(start));
   for (StageSettings const& stage : settings_.stages) {
-    if (stage_record(stage.kind).has_soft_disks) require_equal_edges(start.box);
+    StageRecord const& record = stage_record(stage.kind);
+    if (record.has_soft_disks) require_equal_edges(start.box);
+    if (record.needs_images && !start.box.is_periodic()) {
+      throw Error({.what = fmt::format("a stage \"{}\" in a box that is {}", record.name, edges_in_words(start.box)),
+                   .hint = "it needs a box without walls: box.edge = \"periodic\"",
+                   .key = "box.edge"});
+    }
   }
   // This call only refuses a stage that cannot begin; the stage itself begins later, with the disks as they are then.
   if (settings_.stages.empty()) return;

@@ -21,6 +21,7 @@ namespace gridlock {
 namespace {
 
 constexpr std::array<std::string_view, 2> potential_names{"harmonic", "hertzian"};
+constexpr std::array<std::string_view, 2> deformation_names{"simple_shear", "pure_shear"};
 
 /// Lists the names of the optional settings that are given.
 class GivenSettings final : public SettingVisitor {
@@ -36,8 +37,10 @@ class GivenSettings final : public SettingVisitor {
   void visit(SettingInfo const& /*info*/, bool& /*value*/) override {}
   void visit(SettingInfo const& /*info*/, std::string& /*value*/) override {}
   void visit(SettingInfo const& /*info*/, std::vector<double>& /*value*/) override {}
-  void visit_choice(SettingInfo const& /*info*/, std::span<std::string_view const> /*choices*/,
-                    std::size_t& /*value*/) override {}
+  void visit_choice(SettingInfo const& info, std::span<std::string_view const> /*choices*/,
+                    std::size_t& value) override {
+    note(info, info.key != "stage" && value != 0);  // the first choice is the default
+  }
   void visit_tables(SettingInfo const& /*info*/, std::size_t /*size*/,
                     std::function<void(std::size_t)> const& /*resize*/,
                     std::function<void(std::size_t, SettingVisitor&)> const& /*describe_one*/) override {}
@@ -160,6 +163,51 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                  .max_is_allowed = false,
                  .default_note = "0.2"},
                 settings.swap_fraction);
+  visit_enum(visitor,
+             {.key = "deformation",
+              .documentation = "shear: simple_shear tilts the box, x ← x + γ y; pure_shear makes it longer along x, "
+                               "x ← x e^(γ/2), and shorter along y."},
+             deformation_names, settings.deformation);
+  visitor.visit({.key = "strain_step",
+                 .documentation = "shear: strain between two minima.",
+                 .min = 0.0,
+                 .max = 0.1,
+                 .min_is_allowed = false,
+                 .default_note = "0.001"},
+                settings.strain_step);
+  visitor.visit({.key = "until_strain",
+                 .documentation = "shear: the strain at which the stage ends, below 0 for the other direction; the "
+                                  "amplitude of cycles.",
+                 .min = -1e3,
+                 .max = 1e3,
+                 .default_note = "none: has to be given"},
+                settings.until_strain);
+  visitor.visit({.key = "until_stress",
+                 .unit = "ε/D²",
+                 .documentation = "shear: the shear stress at which the stage ends before the strain is reached.",
+                 .min = 0.0,
+                 .min_is_allowed = false,
+                 .default_note = "no end by stress"},
+                settings.until_stress);
+  visitor.visit({.key = "cycles",
+                 .documentation = "shear: cycles of strain, each from 0 to until_strain, to −until_strain and back.",
+                 .min = 1,
+                 .max = 1e6,
+                 .default_note = "none: one way"},
+                settings.cycles);
+  visitor.visit({.key = "strain_accuracy",
+                 .documentation = "shear: steps are halved until a drop of the stress lies within this strain.",
+                 .min = 1e-12,
+                 .max = 0.1,
+                 .default_note = "0.001 strain_step"},
+                settings.strain_accuracy);
+  visitor.visit({.key = "min_drop",
+                 .unit = "ε/D²",
+                 .documentation = "shear: a smaller drop of the stress is no event.",
+                 .min = 0.0,
+                 .min_is_allowed = false,
+                 .default_note = "0.2 strain_step"},
+                settings.min_drop);
 }
 
 void describe(SoftSettings& settings, SettingVisitor& visitor) {

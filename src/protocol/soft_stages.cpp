@@ -14,13 +14,10 @@
 
 namespace gridlock {
 
-namespace {
-
 MinimizerSettings minimizer_settings(ProtocolSettings const& protocol) {
   return {.potential = protocol.soft.potential, .residual = protocol.soft.residual, .threads = protocol.threads};
 }
 
-/// Adds the results that follow from the contacts at the end of a stage.
 void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result) {
   result.pressure = network.pressure;
   std::optional<VibrationMode> const mode = find_softest_mode(network);
@@ -30,6 +27,8 @@ void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResul
   for (Contact const& contact : network.contacts) overlaps += contact.overlap();
   if (!network.contacts.empty()) result.mean_overlap = overlaps / static_cast<double>(network.contacts.size());
 }
+
+namespace {
 
 /// Reports a pressure that soft disks cannot reach.
 void check_soft_pressure(StageCheck const& check) {

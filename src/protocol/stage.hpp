@@ -13,6 +13,8 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/contact_network.hpp"
+#include "gridlock/packing/minimizer.hpp"
 #include "gridlock/protocol/protocol.hpp"
 #include "gridlock/protocol/settings.hpp"
 
@@ -67,6 +69,7 @@ struct StageRecord {
   bool needs_no_overlaps = false;                 ///< whether the stage before must leave hard disks
   bool leaves_overlaps = false;                   ///< to be set by a stage that keeps overlaps, too
   bool has_soft_disks = false;                    ///< whether it needs the same edges along x and y
+  bool needs_images = false;                      ///< whether it needs a box that is periodic along x and y
   bool ends_near_jamming = false;                 ///< whether it brings hard disks near jamming
   bool may_end_without_pressure = false;          ///< whether the next stage may press the disks together
   /// Reports settings that contradict each other; null where none can.
@@ -90,6 +93,12 @@ std::optional<double> packing_fraction_at_end(StageSettings const& stage, std::o
 /// Writes positions and radii into the state that the packing was made of, and counts the edges that disks crossed.
 void write_packing(Packing const& packing, State& state);
 
+// For stages of soft disks.
+
+MinimizerSettings minimizer_settings(ProtocolSettings const& protocol);
+/// Adds the results that follow from the contacts at the end of a stage.
+void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result);
+
 // Each record is in the file of its stage.
 StageRecord grow_stage();
 StageRecord run_stage();
@@ -98,6 +107,7 @@ StageRecord compress_stage();
 StageRecord decompress_stage();
 StageRecord separate_stage();
 StageRecord swap_stage();
+StageRecord shear_stage();
 
 /// Returns the records of all kinds, in the order of the documentation.
 std::span<StageRecord const> stage_records();

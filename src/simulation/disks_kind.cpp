@@ -14,6 +14,7 @@
 #include "core/disks_overview.hpp"
 #include "core/magnitude.hpp"
 #include "core/saturating.hpp"
+#include "core/temperature.hpp"
 #include "engine/stepped.hpp"
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
@@ -32,7 +33,11 @@ namespace gridlock {
 namespace {
 
 /// Replaces missing settings by their defaults, so that the configuration records all values of the run.
-void resolve(Configuration& configuration) {
+void resolve(Configuration& configuration, Disks const& disks) {
+  bool const is_soft = engine_record(configuration.engine.kind).has_potential;
+  if (!configuration.engine.speed && is_soft && count_of_fixed(disks) < disks.size()) {
+    configuration.engine.speed = std::sqrt(configuration.engine.potential.energy / mean_mass(disks));
+  }
   if (!configuration.engine.speed) {
     PropulsionSettings const& propulsion = configuration.engine.propulsion;
     configuration.engine.speed = propulsion.is_on() ? propulsion.speed : configuration.velocities.max;
@@ -82,7 +87,8 @@ std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path con
 /// Checks that a disk at twice v_max cannot jump over another disk in a sub-step. Collisions soon make disks that fast
 /// (one move in 3000 in equilibrium, exp(−8)). The rare faster disk is detected in its move.
 void require_short_substeps(EngineSettings const& engine, DisksOverview const& disks) {
-  if (!engine_record(engine.kind).has_time_step) return;
+  EngineRecord const& record = engine_record(engine.kind);
+  if (!record.has_time_step || record.has_potential) return;
   double const substep = step_duration(engine, disks.radii.smallest) / static_cast<double>(engine.substeps);
   double const displacement = 2.0 * engine.speed.value_or(1.0) * substep;
   double const contact = 2.0 * disks.radii.smallest;
@@ -99,7 +105,7 @@ void require_short_substeps(EngineSettings const& engine, DisksOverview const& d
 std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineSettings const& settings) {
   EngineRecord const& engine = engine_record(settings.kind);
   // The caveats are those of a rule for elastic disks.
-  if (!engine.has_time_step || settings.propulsion.is_on()) return std::nullopt;
+  if (!engine.has_time_step || engine.has_potential || settings.propulsion.is_on()) return std::nullopt;
   TimeStepCaveats const caveats = time_step_caveats(box, disks.covered_area);
   if (!caveats.any()) return std::nullopt;
   Event event{
@@ -110,14 +116,6 @@ std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks,
     event.values.emplace_back("largest_packing_fraction", TimeStepCaveats::largest_packing_fraction);
   }
   return event;
-}
-
-/// The thermostat that makes a setting of another one unused, as TOML; empty where it is used.
-std::string unused_of_thermostat(ThermostatKind kind, std::string_view key) {
-  bool const is_used = key == "thermostat.kind" || (key == "thermostat.temperature" && kind != ThermostatKind::none) ||
-                       (key == "thermostat.rate" && kind == ThermostatKind::andersen) ||
-                       (key == "thermostat.interval" && kind == ThermostatKind::brownian);
-  return is_used ? "" : fmt::format("thermostat.kind = \"{}\"", to_text(kind));
 }
 
 std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings const& velocities) {
@@ -153,6 +151,7 @@ std::vector<Event> notes_on_ends(std::vector<StageSettings> const& stages) {
 
 void require_no_overlaps_in_run(Configuration const& configuration) {
   auto const& stages = configuration.protocol;
+  if (engine_record(configuration.engine.kind).has_potential) return;
   if (stages.empty() || !leaves_overlaps(stages.back().kind) || !takes_steps(configuration)) return;
   throw Error(
       {.what = fmt::format("the run is one of hard disks, and the last stage of the protocol, \"{}\", leaves overlaps",
@@ -189,22 +188,25 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] std::vector<std::string> value_names(std::string_view /*column*/) const override { return {}; }
 
   [[nodiscard]] std::vector<SettingTable> tables(Configuration& configuration) override {
-    return {{"disks", "How many disks, how large, and where they start.",
-             [&](SettingVisitor& visitor) { describe(configuration.disks, visitor); }},
-            {"velocities", "How fast the disks are at the start.",
-             [&](SettingVisitor& visitor) { describe(configuration.velocities, visitor); }},
-            {"engine", "How the disks move; of other models the threads.",
-             [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }},
-            {"thermostat", "Whether the disks of the engine exact exchange energy with a bath, as colloids do.",
-             [&](SettingVisitor& visitor) { describe(configuration.engine.thermostat, visitor); }},
-            {"collisions", "Whether collisions of the engine exact lose energy, as those of grains do.",
-             [&](SettingVisitor& visitor) { describe(configuration.engine.collisions, visitor); }},
-            {"gravity", "Whether the disks of the engine exact fall.",
-             [&](SettingVisitor& visitor) { describe(configuration.engine.gravity, visitor); }},
-            {"propulsion", "Whether disks propel themselves along headings that turn at random.",
-             [&](SettingVisitor& visitor) { describe(configuration.engine.propulsion, visitor); }},
-            {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
-             [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
+    return {
+        {"disks", "How many disks, how large, and where they start.",
+         [&](SettingVisitor& visitor) { describe(configuration.disks, visitor); }},
+        {"velocities", "How fast the disks are at the start.",
+         [&](SettingVisitor& visitor) { describe(configuration.velocities, visitor); }},
+        {"engine", "How the disks move; of other models the threads.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }},
+        {"potential", "How the disks of the engine soft repel or attract each other.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.potential, visitor); }},
+        {"thermostat", "Whether the disks of the engines exact and soft exchange energy with a bath, as colloids do.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.thermostat, visitor); }},
+        {"collisions", "Whether collisions of the engine exact lose energy, as those of grains do.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.collisions, visitor); }},
+        {"gravity", "Whether the disks of the engine exact fall.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.gravity, visitor); }},
+        {"propulsion", "Whether disks propel themselves along headings that turn at random.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.propulsion, visitor); }},
+        {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
+         [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
   }
   [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override {
     constexpr std::string_view table = "engine.";
@@ -216,6 +218,11 @@ class DisksKind final : public ModelKind {
     if (key == "collisions.contact_time" && !configuration.engine.collisions.lose_energy()) {
       return "collisions.restitution = 1";
     }
+    bool const has_potential = engine_record(configuration.engine.kind).has_potential;
+    if (key.starts_with("potential.") && !has_potential) {
+      return fmt::format("engine.kind = \"{}\"", configuration.engine.kind);
+    }
+    if (key.starts_with("potential.")) return unused_of_potential(configuration.engine.potential.kind, key);
     if (key.starts_with("thermostat.")) return unused_of_thermostat(configuration.engine.thermostat.kind, key);
     PropulsionSettings const& propulsion = configuration.engine.propulsion;
     if (key == "propulsion.rotational_diffusion" && !propulsion.is_on()) return "propulsion.speed = 0";
@@ -244,6 +251,9 @@ class DisksKind final : public ModelKind {
       Configuration const& configuration) const override {
     if (!takes_steps(configuration)) return {};
     std::vector<std::pair<std::string, std::string>> choices{{"engine", configuration.engine.kind}};
+    if (engine_record(configuration.engine.kind).has_potential) {
+      choices.emplace_back("potential", to_text(configuration.engine.potential.kind));
+    }
     ThermostatKind const thermostat = configuration.engine.thermostat.kind;
     if (thermostat != ThermostatKind::none) choices.emplace_back("thermostat", to_text(thermostat));
     if (configuration.engine.propulsion.is_on()) {
@@ -269,6 +279,7 @@ class DisksKind final : public ModelKind {
 
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
+    require_counted_collisions(configuration.engine, configuration.run);
     require_valid(configuration.protocol);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {
       throw Error({.what = "the stages of a protocol know no walls inside the box",
@@ -296,7 +307,8 @@ class DisksKind final : public ModelKind {
 
 /// Whether disks at rest get velocities during the run.
 bool gives_velocities(EngineSettings const& settings) {
-  return settings.thermostat.kind != ThermostatKind::none || settings.propulsion.is_on() || settings.gravity.exists();
+  return engine_record(settings.kind).has_potential || settings.thermostat.kind != ThermostatKind::none ||
+         settings.propulsion.is_on() || settings.gravity.exists();
 }
 
 /// Returns the engine of a run; if only collisions end the run, it fails after a long time without collisions.
@@ -307,8 +319,18 @@ std::unique_ptr<EngineFor<HardDisks>> patient(std::unique_ptr<Engine> engine, Ru
 }
 
 DynamicsTraits traits_of(EngineSettings const& settings) {
-  bool const has_steps = engine_record(settings.kind).has_time_step;
+  EngineRecord const& engine = engine_record(settings.kind);
+  bool const has_steps = engine.has_time_step;
   bool const propels = settings.propulsion.is_on();
+  if (engine.has_potential) {
+    return {.keeps_counters = false,
+            .halts_moves = false,
+            .propels = propels,
+            .has_impulses = false,
+            .potential = settings.potential,
+            .thermostat = settings.thermostat,
+            .propulsion = settings.propulsion};
+  }
   return {.halts_moves = has_steps, .propels = propels, .has_impulses = !(has_steps && propels)};
 }
 
@@ -326,13 +348,14 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
                                   .soft = configuration.soft,
                                   .time_step = settings.time_step,
                                   .threads = settings.threads};
-  bool const is_hard_at_end = !leaves_overlaps(configuration.protocol.back().kind);
+  bool const can_run =
+      engine_record(settings.kind).has_potential || !leaves_overlaps(configuration.protocol.back().kind);
   auto const make = [=, run = configuration.run, observe = configuration.observe](State world, bool is_prepared) {
     EngineSettings engine = settings;
     engine.time_step *= duration / step_duration(settings, world);
     std::unique_ptr<EngineFor<HardDisks>> advancing = std::make_unique<RestingEngine>(duration);
-    // Hard disks get a real engine even if this run has no length, since the run may be lengthened later.
-    if (is_prepared && is_hard_at_end) advancing = patient(make_engine(engine, world), run, world, {});
+    // These disks get a real engine even if this run has no length, since the run may be lengthened later.
+    if (is_prepared && can_run) advancing = patient(make_engine(engine, world), run, world, {});
     auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(world));
     simulation->observe(observe, traits_of(settings));
     return simulation;
@@ -362,7 +385,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   bool const has_speed = configuration.engine.speed.has_value();
   State own = start_of_disks(setup, options);
   DisksOverview const all = overview_of_all(own.agents, processes);
-  resolve(configuration);
+  resolve(configuration, own.agents);
   if (configuration.protocol.empty()) {
     configuration.engine.thermostat = resolved(configuration.engine.thermostat, own);
     if (auto note = motion_by_thermostat(configuration.engine.thermostat, own.agents))

@@ -141,7 +141,7 @@ void require_good_whole(Setup const& setup, State const& whole) {
   Configuration const& configuration = setup.configuration;
   if (!configuration.protocol.empty()) return;
   if (ends_with_collisions(configuration.run) && !can_collide(whole)) refuse_rest();
-  require_hard_start(configuration.disks, whole);
+  if (!engine_record(configuration.engine.kind).has_potential) require_hard_start(configuration.disks, whole);
 }
 
 /// Returns the disks of a file. A large file is read in pieces, so that no process holds all disks.

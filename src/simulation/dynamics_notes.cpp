@@ -27,7 +27,7 @@ double time_between_turns(EngineSettings const& settings, DisksOverview const& d
 }  // namespace
 
 std::optional<Event> motion_by_thermostat(ThermostatSettings const& settings, Disks const& disks) {
-  if (settings.kind == ThermostatKind::none || disks.empty()) return std::nullopt;
+  if (settings.kind == ThermostatKind::none || settings.has_friction() || disks.empty()) return std::nullopt;
   auto const masses = disks.column<Mass>();
   auto const first = std::ranges::find_if(masses, [](double mass) { return !is_fixed(mass); });
   if (first == masses.end()) return std::nullopt;
@@ -129,6 +129,32 @@ std::optional<Event> motion_by_propulsion(EngineSettings const& settings, DisksO
                                               : 0.0},
                           {"way", propulsion.speed * duration / diameter},
                           {"turn", turn_width(propulsion, duration)}}};
+}
+
+std::string unused_of_thermostat(ThermostatKind kind, std::string_view key) {
+  bool const is_used = key == "thermostat.kind" || (key == "thermostat.temperature" && kind != ThermostatKind::none) ||
+                       (key == "thermostat.rate" && kind == ThermostatKind::andersen) ||
+                       (key == "thermostat.interval" && kind == ThermostatKind::brownian) ||
+                       (key == "thermostat.friction" && ThermostatSettings{.kind = kind}.has_friction());
+  return is_used ? "" : fmt::format("thermostat.kind = \"{}\"", to_text(kind));
+}
+
+std::string unused_of_potential(PairPotential kind, std::string_view key) {
+  bool const is_cut = kind == PairPotential::inverse_power || kind == PairPotential::lennard_jones;
+  bool const is_used = key == "potential.kind" || key == "potential.energy" || (key == "potential.cutoff" && is_cut) ||
+                       (key == "potential.exponent" && kind == PairPotential::inverse_power);
+  return is_used ? "" : fmt::format("potential.kind = \"{}\"", to_text(kind));
+}
+
+void require_counted_collisions(EngineSettings const& settings, RunSettings const& run) {
+  EngineRecord const& engine = engine_record(settings.kind);
+  if (!engine.has_potential || !run.collisions_per_disk) return;
+  throw Error(
+      {.what = fmt::format("the disks of the engine \"{}\" do not collide, so the length of a run cannot be given "
+                           "in collisions",
+                           engine.name),
+       .hint = "give run.steps or run.time",
+       .key = "run.collisions_per_disk"});
 }
 
 }  // namespace gridlock

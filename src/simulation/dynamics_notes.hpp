@@ -32,4 +32,11 @@ std::optional<Event> lasting_contacts(EngineSettings const& settings, State cons
 /// diameters in a time step.
 void require_floor(EngineSettings const& settings, State const& state);
 
+/// Return the kind that makes a setting of `[thermostat]` or `[potential]` unused, as TOML; empty where it is used.
+std::string unused_of_thermostat(ThermostatKind kind, std::string_view key);
+std::string unused_of_potential(PairPotential kind, std::string_view key);
+
+/// Errors: Error for the length of a run in collisions, which soft disks do not have.
+void require_counted_collisions(EngineSettings const& settings, RunSettings const& run);
+
 }  // namespace gridlock

@@ -48,8 +48,11 @@ void add_images(Table& table, Packing const& packing, std::span<Contact const> p
     bool const is_at_wall = pair.second >= packing.size();
     std::uint32_t const j = is_at_wall ? pair.first : pair.second;
     Vector const separation = is_at_wall ? Vector{} : pair.distance * pair.normal;
-    x.push_back(std::round((packing.x[pair.first] + separation.x - packing.x[j]) / packing.box.width()) + 0.0);
-    y.push_back(std::round((packing.y[pair.first] + separation.y - packing.y[j]) / packing.box.height()) + 0.0);
+    Vector const moved =
+        Vector{packing.x[pair.first], packing.y[pair.first]} + separation - Vector{packing.x[j], packing.y[j]};
+    double const image_y = std::round(moved.y / packing.box.height());
+    x.push_back(std::round((moved.x - image_y * packing.box.shift()) / packing.box.width()) + 0.0);
+    y.push_back(image_y + 0.0);
   }
   table.add_column("image_x", std::move(x));
   table.add_column("image_y", std::move(y));
@@ -69,6 +72,8 @@ void add_elasticity(Json& json, PackingAnalysis const& analysis) {
   json["shear_modulus"] = number(moduli.shear());
   json["shear_modulus_xy"] = number(moduli.shear_xy());
   json["shear_modulus_xx_yy"] = number(moduli.shear_xx_yy());
+  json["simple_shear_modulus"] = number(simple_shear_modulus(moduli, analysis.network));
+  json["pure_shear_modulus"] = number(pure_shear_modulus(moduli, analysis.network));
   json["least_shear_modulus"] = number(moduli.min_shear());
   json["elastic_xxxx"] = number(moduli.xxxx);
   json["elastic_yyyy"] = number(moduli.yyyy);
@@ -80,9 +85,11 @@ void add_elasticity(Json& json, PackingAnalysis const& analysis) {
 }
 
 void put_inside(Packing& packing) {
-  if (!packing.box.is_periodic()) return;
-  for (double& x : packing.x) x = image_inside(x, packing.box.width());
-  for (double& y : packing.y) y = image_inside(y, packing.box.height());
+  for (std::size_t i = 0; i < packing.size(); ++i) {
+    Vector const place = packing.box.inside({packing.x[i], packing.y[i]});
+    packing.x[i] = place.x;
+    packing.y[i] = place.y;
+  }
 }
 
 }  // namespace

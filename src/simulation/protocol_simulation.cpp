@@ -16,30 +16,11 @@
 #include "gridlock/packing/contact_network.hpp"
 #include "protocol/stage.hpp"
 #include "simulation/packing_analysis.hpp"
+#include "simulation/protocol_tables.hpp"
 
 namespace gridlock {
 
 namespace {
-
-/// Returns the table of correlations over the lag, for all stages of swap Monte Carlo.
-Distribution swap_table(std::vector<StageResult> const& stages) {
-  Distribution table{
-      .name = "swap_correlations",
-      .columns = {{.name = "stage", .documentation = "The number of the stage, from 1.", .is_count = true},
-                  {"lag", "sweeps", "Between two times."},
-                  {"self_overlap", "", "Share of disks in the cage they were in."},
-                  {"bond_orientation", "", "Correlation of the local hexatic order."}},
-      .columns_of_values = std::vector<std::vector<double>>(4)};
-  for (std::size_t k = 0; k < stages.size(); ++k) {
-    if (!stages[k].swap) continue;
-    SwapResult const& swap = *stages[k].swap;
-    for (std::size_t i = 0; i < swap.lags.size(); ++i) {
-      double const row[] = {static_cast<double>(k + 1), swap.lags[i], swap.self_overlap[i], swap.bond_orientation[i]};
-      for (std::size_t c = 0; c < std::size(row); ++c) table.columns_of_values[c].push_back(row[c]);
-    }
-  }
-  return table;
-}
 
 /// A value of summary.json that a stage of the protocol provides.
 struct ResultEntry {
@@ -107,6 +88,9 @@ std::vector<ResultEntry> soft_entries() {
        end(&PressureLevel::excess_contacts)},
       {{"bulk_modulus", "", "K in ε/D²."}, modulus(&PressureLevel::bulk_modulus)},
       {{"shear_modulus", "", "⟨G⟩, the mean over all directions, in ε/D²."}, modulus(&PressureLevel::shear_modulus)},
+      {{"simple_shear_modulus", "", "dσ/dγ of x ← x + γ y, in ε/D²."}, modulus(&PressureLevel::simple_shear_modulus)},
+      {{"pure_shear_modulus", "", "dσ/dγ of x ← x e^(γ/2), y ← y e^(−γ/2), in ε/D²."},
+       modulus(&PressureLevel::pure_shear_modulus)},
       {{"least_shear_modulus", "", "G of the softest direction, in ε/D²."},
        modulus(&PressureLevel::least_shear_modulus)},
       {{"softest_mode", "", "The smallest eigenvalue of the Hessian of the backbone, in ε/D²."},
@@ -146,6 +130,9 @@ std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) 
   if (swap != stages.rend()) add_results(swap_entries(), *swap, results);
   auto const soft = std::find_if(stages.rbegin(), stages.rend(), is_soft);
   if (soft != stages.rend()) add_results(soft_entries(), *soft, results);
+  auto const shear =
+      std::find_if(stages.rbegin(), stages.rend(), [](auto const& stage) { return stage.shear.has_value(); });
+  if (shear != stages.rend()) std::ranges::move(shear_results(*shear->shear), std::back_inserter(results));
   return results;
 }
 
@@ -193,6 +180,9 @@ std::vector<LevelColumn> level_columns() {
       {{"excess_contacts", "", "Contacts beyond those that a marginal packing has."}, &PressureLevel::excess_contacts},
       {{"bulk_modulus", "", "In ε/D²."}, &PressureLevel::bulk_modulus},
       {{"shear_modulus", "", "Mean over all directions, in ε/D²."}, &PressureLevel::shear_modulus},
+      {{"simple_shear_modulus", "", "dσ/dγ of x ← x + γ y, in ε/D²."}, &PressureLevel::simple_shear_modulus},
+      {{"pure_shear_modulus", "", "dσ/dγ of x ← x e^(γ/2), y ← y e^(−γ/2), in ε/D²."},
+       &PressureLevel::pure_shear_modulus},
       {{"least_shear_modulus", "", "Of the softest direction, in ε/D²."}, &PressureLevel::least_shear_modulus},
       {{"residual", "", "Largest net force over the mean contact force."}, &PressureLevel::residual},
       {{.name = "iterations", .documentation = "Of the minimizer since the level before.", .is_count = true},
@@ -358,11 +348,14 @@ std::vector<ColumnInfo> protocol_results() {
   for (auto const& entries : {hard_entries(), swap_entries(), soft_entries()}) {
     for (ResultEntry const& entry : entries) results.push_back(entry.info);
   }
+  std::ranges::move(shear_entries(), std::back_inserter(results));
   return results;
 }
 
 std::vector<Distribution> protocol_tables() {
-  return {stages_table({}), levels_table({}), swap_table({}), contacts_curve({})};
+  std::vector<Distribution> tables{stages_table({}), levels_table({}), swap_table({}), contacts_curve({})};
+  std::ranges::move(shear_tables({}), std::back_inserter(tables));
+  return tables;
 }
 
 ProtocolSimulation::ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make)
@@ -446,7 +439,8 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
   if (has_run()) distributions = simulation_->distributions();
   if (protocol_.results().empty()) return distributions;
   distributions.push_back(stages_table(protocol_.results()));
-  std::array tables{levels_table(protocol_.results()), swap_table(protocol_.results())};
+  std::vector<Distribution> tables{levels_table(protocol_.results()), swap_table(protocol_.results())};
+  std::ranges::move(shear_tables(protocol_.results()), std::back_inserter(tables));
   for (Distribution& table : tables) {
     if (!table.columns_of_values.front().empty()) distributions.push_back(std::move(table));
   }

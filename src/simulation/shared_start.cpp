@@ -25,7 +25,7 @@ constexpr std::size_t rows_of_piece = std::size_t{1} << 15;
 
 /// The header of a start file, as a message to all processes.
 struct FileHead {
-  double width, height;
+  double width, height, shift;
   std::uint64_t edges;  ///< see number_of_edges()
   Clock clock;
   std::uint64_t count;         ///< number of rows
@@ -39,6 +39,7 @@ FileHead head_of(xyz::Reader const& reader) {
   auto const number = [](bool is_true) { return is_true ? std::uint64_t{1} : 0; };
   return {.width = box.width(),
           .height = box.height(),
+          .shift = box.shift(),
           .edges = number_of_edges(box),
           .clock = clock_of(reader.header()),
           .count = reader.count(),
@@ -112,7 +113,7 @@ class PartOfStart {
   }
 
   RowsOfFile finish() {
-    Box const box = box_with_edges(head_.width, head_.height, head_.edges);
+    Box const box = box_with_edges(head_.width, head_.height, head_.edges).shifted(head_.shift);
     RowsOfFile file{.own = {.box = box, .agents = disks_of(disks_), .clock = head_.clock}};
     file.has_velocities = head_.has_velocities != 0;
     disks_ = std::vector<DiskRow>();

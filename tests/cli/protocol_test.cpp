@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -175,6 +176,13 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
       {"stage = \"decompress\"\nuntil_pressure = 1e-4", "no two disks press on each other", "stage = \"decompress\""},
       {"stage = \"compress\"\nuntil_packing_fraction = 0.9\nstep = 1e-7", "are 4e+06 levels, each of which is kept",
        "step = 1e-7"},
+      {"stage = \"shear\"\nuntil_strain = 0.0", "a stage \"shear\" cannot end at the strain 0", "until_strain = 0.0"},
+      {"stage = \"shear\"\nuntil_strain = 1.0\nstrain_step = 0.5", "must be above 0 and at most 0.1",
+       "strain_step = 0.5"},
+      {"stage = \"shear\"\nuntil_strain = 1e3\nstrain_step = 1e-6", "are 1e+09 minima, each of which is kept",
+       "strain_step = 1e-6"},
+      {"stage = \"quench\"\ndeformation = \"pure_shear\"", "a stage \"quench\" has no setting deformation",
+       "deformation = \"pure_shear\""},
       {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
   };
   Workplace const workplace;
@@ -262,6 +270,31 @@ TEST(Protocol, IsSetAndSweptStageByStage) {
       {"run", scene, "--set", "protocol[7].packing_fraction=0.9", "-o", "no"}, workplace.path());
   EXPECT_EQ(outside.exit_code, 2);
   EXPECT_NE(outside.err.find("the list has 2 tables, counted from 0"), std::string::npos) << outside.err;
+}
+
+TEST(Protocol, ShearsTheBoxAndTellsTheStressAndItsDrops) {
+  Workplace const workplace;
+  std::string const scene = (scenes / "shear.toml").string();
+  for (char const* threads : {"1", "3"})
+    expect_good(gridlock::test::gridlock({"run", scene, "-o", threads, "-q", "-j", threads}, workplace.path()));
+  EXPECT_EQ(text_of(workplace / "1/shear.csv"), text_of(workplace / "3/shear.csv"));
+  EXPECT_EQ(text_of(workplace / "1/final.xyz"), text_of(workplace / "3/final.xyz"));
+  EXPECT_NE(text_of(workplace / "1/final.xyz").find("Lattice=\"1.0 0 0 0.2 1.0 0 0 0 1\""), std::string::npos);
+  EXPECT_EQ(std::ranges::count(text_of(workplace / "1/shear.csv"), '\n'), 202);
+  EXPECT_GT(std::ranges::count(text_of(workplace / "1/shear_events.csv"), '\n'), 1);
+  // The packing is read again with the box that it has.
+  Outcome const contacts = gridlock::test::gridlock({"contacts", "1/final.xyz"}, workplace.path());
+  EXPECT_NE(contacts.out.find("is_converged                     true"), std::string::npos) << contacts.out;
+  write(workplace / "again.toml", "disks.file = \"1/final.xyz\"\n[[protocol]]\nstage = \"quench\"\n");
+  expect_good(gridlock::test::gridlock({"run", "again.toml", "-o", "again", "-q"}, workplace.path()));
+  EXPECT_NE(text_of(workplace / "again/final.xyz").find("Lattice=\"1.0 0 0 0.2 1.0 0 0 0 1\""), std::string::npos);
+  Outcome const walled = gridlock::test::gridlock({"check", scene, "--set", "box.edge=\"wall\""}, workplace.path());
+  EXPECT_EQ(walled.exit_code, 2);
+  EXPECT_NE(walled.err.find("a stage \"shear\" in a box that is walled"), std::string::npos) << walled.err;
+  Outcome const hard =
+      gridlock::test::gridlock({"check", (scenes / "soft.toml").string(), "--set", "box.tilt=0.1"}, workplace.path());
+  EXPECT_EQ(hard.exit_code, 2);
+  EXPECT_NE(hard.err.find("knows rectangles only, and box.tilt is 0.1"), std::string::npos) << hard.err;
 }
 
 TEST(Protocol, IsDrawnWithItsLevelsAndWithoutDisplacements) {

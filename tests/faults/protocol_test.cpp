@@ -65,7 +65,7 @@ class ProtocolFaults : public testing::TestWithParam<Case> {
     };
     EXPECT_EQ(hash_of(whole), hash_of(other));
     std::vector<std::string> names;
-    for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv"}) {
+    for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv", "shear.csv", "shear_events.csv"}) {
       if (!fs::exists(whole / name)) continue;
       names.emplace_back(name);
       EXPECT_EQ(text_of(whole / name), text_of(other / name)) << name;
@@ -119,7 +119,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"compress", 400, points,
                          "stage = \"quench\"\npacking_fraction = 0.82\n"
                          "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-3\n"
-                         "[[protocol]]\nstage = \"separate\"\n"}),
+                         "[[protocol]]\nstage = \"separate\"\n"},
+                    Case{"shear", 100, points,
+                         "stage = \"quench\"\npacking_fraction = 0.86\n"
+                         "[[protocol]]\nstage = \"shear\"\nuntil_strain = 0.1\n"}),
     [](auto const& instance) { return std::string(instance.param.name); });
 
 }  // namespace

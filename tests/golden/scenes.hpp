@@ -171,6 +171,38 @@ inline std::vector<Scene> scenes_of_active_disks() {
   };
 }
 
+/// Scenes of the engine soft, one for each potential and each dynamics.
+inline std::vector<Scene> scenes_of_soft_disks() {
+  DisksSettings const mixture{.count = 300,
+                              .packing_fraction = 0.6,
+                              .start = StartKind::random,
+                              .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}};
+  DisksSettings const equal{.count = 300, .packing_fraction = 0.6, .start = StartKind::triangular};
+  Box const box(1.2, 1.0, Edge::periodic);
+  auto const bath = [](ThermostatKind kind, double friction) {
+    return ThermostatSettings{.kind = kind, .temperature = 0.5, .friction = friction};
+  };
+  auto const scene = [&](char const* name, DisksSettings const& disks, PairPotential potential, double time_step) {
+    return Scene{.name = name,
+                 .box = box,
+                 .disks = disks,
+                 .engine = {.time_step = time_step, .speed = 1.0, .potential = {.kind = potential}},
+                 .time = 0.1};
+  };
+  std::vector<Scene> all{scene("soft_harmonic", mixture, PairPotential::harmonic, 0.02),
+                         scene("soft_hertzian", equal, PairPotential::hertzian, 0.02),
+                         scene("soft_power", mixture, PairPotential::inverse_power, 0.002),
+                         scene("soft_liquid", equal, PairPotential::lennard_jones, 0.004),
+                         scene("soft_langevin", mixture, PairPotential::wca, 0.004),
+                         scene("soft_overdamped", mixture, PairPotential::wca, 0.001),
+                         scene("soft_active", equal, PairPotential::wca, 0.001)};
+  all[4].engine.thermostat = bath(ThermostatKind::langevin, 5.0);
+  all[5].engine.thermostat = bath(ThermostatKind::overdamped, 100.0);
+  all[6].engine.thermostat = bath(ThermostatKind::overdamped, 100.0);
+  all[6].engine.propulsion = {.speed = 1.0, .rotational_diffusion = 5.0};
+  return all;
+}
+
 inline constexpr std::uint64_t seed = 20;
 
 /// How a scene starts.

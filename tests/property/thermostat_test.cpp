@@ -216,7 +216,7 @@ TEST(ThermostatSettings, AreRefusedForDisksAtRestAndByEnginesWithATimeStep) {
             "thermostat.temperature: the disks rest at the start, so the temperature of the thermostat is not known");
   for (char const* kind : {"stepped", "tiled"}) {
     EXPECT_EQ(problem({.kind = kind, .thermostat = {.kind = ThermostatKind::andersen, .temperature = 1.0}}),
-              std::string("thermostat.kind: the engine \"") + kind + "\" has no thermostat");
+              std::string("thermostat.kind: the engine \"") + kind + "\" has no thermostat \"andersen\"");
   }
   EXPECT_EQ(problem({.kind = "exact", .thermostat = {.kind = ThermostatKind::brownian, .temperature = 1.0}}), "");
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// The box: a rectangle with walls or periodic edges, and distances in it.
+/// The box: a rectangle with walls or periodic edges, also sheared, and distances in it.
 ///
 /// ```cpp
 /// Box const box(2.0, 1.0, Edge::periodic);
@@ -9,6 +9,7 @@
 /// Box const channel(2.0, 1.0, Edge::periodic, Edge::wall);  // periodic in x, with a floor and a lid
 /// int crossed_x = 0, crossed_y = 0;
 /// Vector const inside = box.wrap({2.1, 0.5}, crossed_x, crossed_y);  // (0.1, 0.5), and crossed_x is 1
+/// Box const oblique = box.tilted(0.25);  // the images above are 0.25 farther to the right
 /// ```
 
 #include <cmath>
@@ -32,6 +33,11 @@ enum class Edge : std::int32_t { wall, periodic };
 ///
 /// Along a periodic axis every displacement goes to the nearest image. Searches for neighbours need distances below
 /// half the shorter periodic side; engines refuse boxes that are too small for their cutoff.
+///
+/// A periodic box may be oblique, with the tilt t = xy/L_y of a simple shear: the images of a point are at
+/// (n L_x + m t L_y, m L_y). Points stay in the rectangle, which is a unit cell of that lattice too: across the upper
+/// edge a point comes in at the bottom, t L_y farther to the left. Tilts that differ by L_x/L_y have the same images,
+/// so a box keeps the one between −½ L_x/L_y and ½ L_x/L_y, see tilted().
 /// Errors: a side that is not finite and positive throws Error.
 class Box {
  public:
@@ -42,6 +48,19 @@ class Box {
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
   [[nodiscard]] double area() const { return width_ * height_; }
+  /// Returns the tilt xy/L_y; 0 for a rectangle.
+  [[nodiscard]] double tilt() const { return shift_ / height_; }
+  /// Returns xy, by which the images above are farther to the right.
+  [[nodiscard]] double shift() const { return shift_; }
+  [[nodiscard]] bool is_oblique() const { return shift_ != 0.0; }
+  /// Returns this box with a tilt, which is brought between −½ L_x/L_y and ½ L_x/L_y by whole boxes.
+  /// Errors: Error for a tilt that is not finite, and for a tilt other than 0 of a box that has walls.
+  [[nodiscard]] Box tilted(double tilt) const { return shifted(tilt * height_); }
+  /// Returns this box with a shift xy, which is brought between −½ L_x and ½ L_x. Errors: those of tilted().
+  [[nodiscard]] Box shifted(double shift) const;
+  /// Returns the number of widths by which shifted() reduces a shift. A disk that has crossed m edges of y has crossed
+  /// m times as many edges of x more in the box that shifted() returns.
+  [[nodiscard]] double widths_in(double shift) const { return std::round(shift / width_); }
   /// Returns √area: the side of a square box, and the unit of length in which displacements are quoted for a
   /// rectangular box.
   [[nodiscard]] double side() const;
@@ -74,18 +93,41 @@ class Box {
   [[nodiscard]] Vector displacement_inside(Vector from, Vector to) const {
     Vector d = to - from;
     if (has_images()) {
+      // In a rectangle the shift is 0, which changes no bit of x.
+      if (d.y > half_period_y_) {
+        d = {d.x - shift_, d.y - height_};
+      } else if (d.y < -half_period_y_) {
+        d = {d.x + shift_, d.y + height_};
+      }
       d.x = nearest_image(d.x, width_, half_period_x_);
-      d.y = nearest_image(d.y, height_, half_period_y_);
     }
     return d;
   }
 
-  /// Moves a point that is less than one side beyond a periodic edge back into [0, width) or [0, height), and counts
+  /// Moves a point that is less than half a side beyond a periodic edge back into [0, width) or [0, height), and counts
   /// the edges crossed in `crossed_x` and `crossed_y` (+1 for the right or top edge). Between walls nothing changes.
   [[nodiscard]] Vector wrap(Vector p, int& crossed_x, int& crossed_y) const {
+    if (is_periodic_y()) {
+      if (p.y >= height_) {
+        p = {p.x - shift_, p.y - height_};
+        ++crossed_y;
+      } else if (p.y < 0.0) {
+        int const before = crossed_y;
+        p.y = into_range(p.y, height_, crossed_y);
+        if (crossed_y != before) p.x += shift_;
+      }
+    }
     if (is_periodic_x()) p.x = into_range(p.x, width_, crossed_x);
-    if (is_periodic_y()) p.y = into_range(p.y, height_, crossed_y);
     return p;
+  }
+
+  /// Returns the image in the box of any finite point; between walls its coordinate.
+  [[nodiscard]] Vector inside(Vector p) const;
+
+  /// Returns how far the image of a point is from the point, for the edges that lie between them, as wrap() counts
+  /// them.
+  [[nodiscard]] Vector offset_of_image(double crossed_x, double crossed_y) const {
+    return {crossed_x * width_ + crossed_y * shift_, crossed_y * height_};
   }
 
   friend bool operator==(Box const&, Box const&) = default;
@@ -115,12 +157,16 @@ class Box {
 
   double width_ = 1.0;
   double height_ = 1.0;
+  double shift_ = 0.0;
   // Half of infinity between walls, where the nearest image is then always the point itself.
   double half_period_x_ = std::numeric_limits<double>::infinity();
   double half_period_y_ = std::numeric_limits<double>::infinity();
   Edge edge_x_ = Edge::wall;
   Edge edge_y_ = Edge::wall;
 };
+
+/// Throws Error, with the key "box.tilt", for an oblique box; `what` begins the sentence, as "the engine \"exact\"".
+void require_rectangle(Box const& box, std::string_view what);
 
 /// Returns the edges as a number, for hashes and messages: 0 for walls, 1 for a periodic box, 2 for one periodic along
 /// x only, 3 for one periodic along y only.

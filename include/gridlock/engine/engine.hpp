@@ -28,6 +28,7 @@
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/frame_source.hpp"
+#include "gridlock/core/pair_potential.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/engine/grains.hpp"
 #include "gridlock/engine/propulsion.hpp"
@@ -111,18 +112,19 @@ enum class GridKind { linked, packed };
 struct EngineSettings {
   std::string kind = "stepped";
   double time_step = 0.1;       ///< in units of the smallest diameter over `speed`
-  std::optional<double> speed;  ///< unit of speed of time_step; default: velocities.max
+  std::optional<double> speed;  ///< unit of speed of time_step; default: velocities.max, for soft disks √(ε/m)
   std::uint64_t substeps = 5;
   std::optional<std::uint64_t> cells;  ///< k of the k × k linked lists; default: from the sizes of the disks
   CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< exact: pair collisions between two audits; 0: never
   GridKind grid = GridKind::packed;
   std::uint64_t threads = 0;             ///< exact and tiled: number of threads; 0: one for each core
-  ThermostatSettings thermostat = {};    ///< exact: the settings `[thermostat]`
+  ThermostatSettings thermostat = {};    ///< exact and soft: the settings `[thermostat]`
   CollisionSettings collisions = {};     ///< exact: the settings `[collisions]`
   GravitySettings gravity = {};          ///< exact: the settings `[gravity]`
   std::vector<WallSettings> walls = {};  ///< the walls inside the box, `[[walls]]`
   PropulsionSettings propulsion = {};    ///< the settings `[propulsion]`
+  PotentialSettings potential = {};      ///< soft: the settings `[potential]`
   AllProcesses processes = {};           ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
@@ -147,6 +149,7 @@ struct EngineRecord {
   bool uses_threads = false;
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
   bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
+  bool has_potential = false;                 ///< whether disks are soft: they may overlap, and nothing collides
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint

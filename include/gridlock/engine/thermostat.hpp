@@ -22,7 +22,7 @@
 
 namespace gridlock {
 
-/// How disks exchange energy with a bath, between elastic collisions.
+/// How disks exchange energy with a bath. The engine `exact` knows andersen and brownian, `soft` the last two.
 ///
 /// none:     they do not.
 /// andersen: each disk alone gets a Maxwell velocity at random times, `rate` of them per unit of time (Andersen 1980,
@@ -30,17 +30,27 @@ namespace gridlock {
 /// brownian: all disks get Maxwell velocities at the times 0, Δt, 2Δt … of the clock, Δt = `interval`: event-driven
 ///           Brownian dynamics (Scala, Voigtmann, De Michele 2007, doi:10.1063/1.2719190). A free disk diffuses with
 ///           D₀ = kT Δt/(2m).
-enum class ThermostatKind { none, andersen, brownian };
+/// langevin: m dv/dt = F − m γ v + noise, γ = `friction` (Leimkuhler and Matthews 2013, doi:10.1093/amrx/abs010). A
+///           free disk diffuses with D₀ = kT/(m γ).
+/// overdamped: m γ dr/dt = F + noise, Brownian dynamics without inertia (Ermak and McCammon 1978,
+///           doi:10.1063/1.436761), with the same D₀. Disks have no velocities but those of their propulsion.
+enum class ThermostatKind { none, andersen, brownian, langevin, overdamped };
 /// Returns the word of a kind, as in thermostat.kind.
 std::string_view to_text(ThermostatKind kind);
 
-/// The settings `[thermostat]`, which the engine `exact` knows. A Maxwell velocity has components of variance kT/m,
-/// drawn as a function of (seed, draw, Id): the same whatever else happens, on every machine and any number of threads.
+/// The settings `[thermostat]`. A Maxwell velocity has components of variance kT/m, and noise is normal; both are drawn
+/// as a function of (seed, draw, Id): the same whatever else happens, on every machine and any number of threads.
 struct ThermostatSettings {
   ThermostatKind kind = ThermostatKind::none;
   std::optional<double> temperature;  ///< kT; left out: the kinetic energy of a disk at the start
   std::optional<double> rate;         ///< per time; left out: √(kT/m)/σ, of the mean mass and the smallest diameter
   std::optional<double> interval;     ///< left out: 0.05 σ √(m/kT), of the mean mass and the smallest diameter
+  std::optional<double> friction;  ///< γ, per time; left out: √(kT/m)/σ, of the mean mass and the smallest diameter
+
+  /// Whether noise and friction act all the time.
+  [[nodiscard]] bool has_friction() const {
+    return kind == ThermostatKind::langevin || kind == ThermostatKind::overdamped;
+  }
 };
 void describe(ThermostatSettings& settings, SettingVisitor& visitor);
 
@@ -56,7 +66,7 @@ struct BrownianScales {
   double flight;           ///< root mean square path between two kicks, along each axis, in σ
   double kicks_of_sigma2;  ///< kicks in σ²/D₀, the time of diffusion over a diameter
 };
-/// Returns them. Contract: resolved settings of a thermostat that is not none.
+/// Returns them. Contract: resolved settings of andersen or brownian.
 BrownianScales brownian_scales(ThermostatSettings const& settings, double mass, double diameter);
 
 }  // namespace gridlock

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/oblique_points.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/point_pairs.hpp"
 #include "gridlock/grid/detail/sorted_grid.hpp"
@@ -52,7 +55,9 @@ class NeighbourSearch {
   /// Calls visit(i, j, separation) once for every pair, where i > j and separation = r_j − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
-    if (crowd_) [[unlikely]] {
+    if (oblique_) [[unlikely]] {
+      visit_pairs_of_oblique(std::move(visit));
+    } else if (crowd_) [[unlikely]] {
       gridlock::for_each_pair(points(), *crowd_, cutoff_, std::move(visit));
     } else {
       gridlock::for_each_pair(points(), grid_, cutoff_, std::move(visit));
@@ -81,7 +86,9 @@ class NeighbourSearch {
   [[nodiscard]] PointsInBox points() const { return {box_, x_, y_}; }
   template <class Visit>
   void visit_near(Vector p, Visit visit) const {
-    if (crowd_) [[unlikely]] {
+    if (oblique_) [[unlikely]] {
+      visit_near_in_oblique(p, std::move(visit));
+    } else if (crowd_) [[unlikely]] {
       visit_near_in_crowd(p, std::move(visit));
     } else {
       gridlock::for_each_neighbour(points(), grid_, cutoff_, p, std::move(visit));
@@ -92,6 +99,11 @@ class NeighbourSearch {
   [[gnu::noinline]] void visit_near_in_crowd(Vector p, Visit visit) const {
     gridlock::for_each_neighbour(points(), *crowd_, cutoff_, p, std::move(visit));
   }
+  template <class Visit>
+  void visit_pairs_of_oblique(Visit visit) const;
+  template <class Visit>
+  void visit_near_in_oblique(Vector p, Visit visit) const;
+  void search_oblique();
   /// Returns the cells for points that do not crowd.
   [[nodiscard]] CellLayout plain_layout() const;
   /// Makes crowd_ if the points crowd in cells of `layout`, and returns whether they do.
@@ -107,6 +119,42 @@ class NeighbourSearch {
   PackedGrid grid_;                  ///< used for points that do not crowd
   std::optional<SortedGrid> crowd_;  ///< used for points that crowd, else empty
   std::size_t arrivals_ = 0;         ///< changes of cell since the last test whether points crowd
+  struct Oblique;
+  std::shared_ptr<Oblique const> oblique_;  ///< used for an oblique box, else empty
 };
+
+/// Points and images of an oblique box, and a grid of them that is periodic along x alone.
+struct NeighbourSearch::Oblique {
+  ObliquePoints points;
+  double cutoff;
+  PackedGrid grid;
+
+  Oblique(Box const& box, double cutoff, std::span<double const> x, std::span<double const> y);
+  [[nodiscard]] PointsInBox in_frame() const { return {points.frame(), points.x(), points.y()}; }
+};
+
+template <class Visit>
+void NeighbourSearch::visit_pairs_of_oblique(Visit visit) const {
+  ObliquePoints const& all = oblique_->points;
+  auto const visit_pair = [&](std::size_t a, std::size_t b, Vector) {
+    if (!all.counts(a, b)) return;
+    std::size_t const i = std::max(all.point(a), all.point(b));
+    std::size_t const j = std::min(all.point(a), all.point(b));
+    Vector const separation = box_.displacement(points()[i], points()[j]);
+    if (squared_length(separation) < cutoff_ * cutoff_) visit(i, j, separation);
+  };
+  gridlock::for_each_pair(oblique_->in_frame(), oblique_->grid, oblique_->cutoff, visit_pair);
+}
+
+template <class Visit>
+void NeighbourSearch::visit_near_in_oblique(Vector p, Visit visit) const {
+  ObliquePoints const& all = oblique_->points;
+  auto const visit_near = [&](std::size_t k, Vector) {
+    std::size_t const j = all.point(k);
+    Vector const separation = box_.displacement(p, points()[j]);
+    if (squared_length(separation) < cutoff_ * cutoff_) visit(j, separation);
+  };
+  gridlock::for_each_neighbour(oblique_->in_frame(), oblique_->grid, oblique_->cutoff, all.place(p), visit_near);
+}
 
 }  // namespace gridlock

@@ -121,8 +121,8 @@ class Source;
 /// of other programs.
 ///
 /// A checksum of every frame of H5mdWriter finds damage that the checks of HDF5 miss. In files of other programs it
-/// reads the first group of particles with positions, in the plane or at one z, in a rectangular box that is periodic
-/// in both directions or in none; see docs/reference/trajectories.md. Such files have no state hash.
+/// reads the first group of particles with positions, in the plane or at one z, in a box whose first edge lies
+/// along x; see docs/reference/trajectories.md. Such files have no state hash.
 /// Errors: Error with the name of the file for data that are missing, damaged or of another shape.
 class H5mdReader {
  public:

@@ -68,9 +68,9 @@ struct XyzFrame {
 /// as the format demands. Rows are returned in the order of their Ids. Positions are relative to Origin; a position
 /// outside a periodic box is replaced by its image inside, which `image` counts. `frame` counts from 0, or back from −1
 /// for the last frame; without `frame`, the file must have only one. Hints in errors call it `setting`. Errors: Error
-/// with line and column for input that is damaged, ambiguous, not finite, not in the plane or in a box that is not
-/// orthogonal. It never crashes, and memory is at most a small multiple of the size of the file. It does not check that
-/// disks are inside walls and do not overlap, see validate().
+/// with line and column for input that is damaged, ambiguous, not finite, not in the plane or in a box whose first side
+/// does not lie along x. It never crashes, and memory is at most a small multiple of the size of the file. It does not
+/// check that disks are inside walls and do not overlap, see validate().
 XyzFrame read_xyz(std::filesystem::path const& path, std::optional<std::int64_t> frame = {},
                   std::string const& setting = "frame");
 

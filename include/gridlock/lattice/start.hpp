@@ -35,6 +35,7 @@ struct BoxSettings {
   double side = 1.0;
   std::optional<double> width;   ///< left out: side
   std::optional<double> height;  ///< left out: side
+  double tilt = 0.0;             ///< xy/L_y of an oblique periodic box
 };
 void describe(BoxSettings& settings, SettingVisitor& visitor);
 Box make_box(BoxSettings const& settings);

@@ -140,19 +140,22 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
 /// The properties of an engine on which observables depend.
 struct DynamicsTraits {
-  bool keeps_counters = true;  ///< whether it keeps Counters, see Requirements::collisions
-  bool halts_moves = true;     ///< whether a move ends where disks would overlap
-  bool propels = false;        ///< whether disks propel themselves
-  bool has_impulses = true;    ///< whether disks that meet, and walls, exchange momentum
+  bool keeps_counters = true;                       ///< whether it keeps Counters, see Requirements::collisions
+  bool halts_moves = true;                          ///< whether a move ends where disks would overlap
+  bool propels = false;                             ///< whether disks propel themselves
+  bool has_impulses = true;                         ///< whether disks that meet, and walls, exchange momentum
+  std::optional<PotentialSettings> potential = {};  ///< of soft disks
+  ThermostatSettings thermostat = {};               ///< of soft disks, resolved
+  PropulsionSettings propulsion = {};               ///< of soft disks
 };
 
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
-/// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve, TemperatureByKind and LineFlux
-/// where settings ask for them (Error for agents that lack a column). Quantities of walls exist only between walls.
-/// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are
-/// due.
+/// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; Stress of soft disks; BondOrientation and
+/// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve,
+/// TemperatureByKind and LineFlux where settings ask for them (Error for agents that lack a column). Quantities of
+/// walls exist only between walls. Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r)
+/// about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics = {});
 

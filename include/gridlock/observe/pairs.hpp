@@ -24,6 +24,7 @@
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/point_pairs.hpp"
+#include "gridlock/grid/neighbour_search.hpp"
 #include "gridlock/observe/snapshot.hpp"
 
 namespace gridlock {
@@ -50,7 +51,11 @@ class LocalPoints {
   /// − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
-    gridlock::for_each_pair(points_, *grid_, cutoff_, std::move(visit));
+    if (oblique_) [[unlikely]] {
+      oblique_->for_each_pair(std::move(visit));
+    } else {
+      gridlock::for_each_pair(points_, *grid_, cutoff_, std::move(visit));
+    }
   }
 
  private:
@@ -59,6 +64,7 @@ class LocalPoints {
   PointsInBox points_;
   std::size_t own_;
   std::optional<PackedGrid> grid_;
+  std::optional<NeighbourSearch> oblique_;  ///< used in an oblique box, of one process
 };
 
 template <class Visit>

@@ -57,6 +57,14 @@ struct ElasticModuli {
 /// doi:10.1007/s10955-005-9015-5.
 std::optional<ElasticModuli> find_elastic_moduli(Packing const& packing, ContactNetwork const& network);
 
+/// Returns the modulus dσ/dγ that a finite simple shear x ← x + γ y sees: C_xyxy − p/2 + (σ_yy − σ_xx)/2.
+///
+/// The tensor C is that of symmetric strains; a simple shear also turns the packing, and prestress resists that. NaN in
+/// a box with walls. Contract: the moduli are those of the network.
+double simple_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& network);
+/// Returns the modulus that a finite pure shear x ← x e^(γ/2), y ← y e^(−γ/2) sees: G_xx−yy − p/2.
+double pure_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& network);
+
 /// Returns the motion of the disks of a minimum as all radii grow: du/d ln R, a displacement for each disk; 0 for
 /// rattlers.
 ///

@@ -62,8 +62,10 @@ struct PressureLevel {
   std::uint64_t backbone_contacts = 0;                               ///< N_c
   double contact_number = std::numeric_limits<double>::quiet_NaN();  ///< 2 N_c/N₀; NaN without a backbone
   double excess_contacts = 0.0;  ///< N_c − [2(N₀ − 1) + 1], with walls N_c − (2 N₀ + 1); a whole number
-  double bulk_modulus = std::numeric_limits<double>::quiet_NaN();         ///< in ε/D²; NaN if there is none
-  double shear_modulus = std::numeric_limits<double>::quiet_NaN();        ///< ⟨G⟩, the mean over all directions
+  double bulk_modulus = std::numeric_limits<double>::quiet_NaN();          ///< in ε/D²; NaN if there is none
+  double shear_modulus = std::numeric_limits<double>::quiet_NaN();         ///< ⟨G⟩, the mean over all directions
+  double simple_shear_modulus = std::numeric_limits<double>::quiet_NaN();  ///< dσ/dγ of x ← x + γ y
+  double pure_shear_modulus = std::numeric_limits<double>::quiet_NaN();  ///< dσ/dγ of x ← x e^(γ/2), y ← y e^(−γ/2)
   double least_shear_modulus = std::numeric_limits<double>::quiet_NaN();  ///< of the softest shear; below 0: unstable
   /// φ − u/(du/dφ) with u = p^(1/(α−1)) and the slope since the last minimum; NaN at the first minimum.
   double jamming_packing_fraction = std::numeric_limits<double>::quiet_NaN();

@@ -26,6 +26,7 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/packing/pressure_ramp.hpp"
+#include "gridlock/packing/quasistatic_shear.hpp"
 #include "gridlock/protocol/settings.hpp"
 
 namespace gridlock {
@@ -51,6 +52,14 @@ struct SwapResult {
   std::vector<double> bond_orientation = {};
 };
 
+/// The results of quasi-static shear, see QuasistaticShear.
+struct ShearResult {
+  std::vector<ShearedMinimum> minima = {};
+  std::vector<ShearEvent> events = {};
+  std::vector<EventMotion> motions = {};
+  std::vector<ShearCycle> cycles = {};
+};
+
 /// The results of a stage.
 struct StageResult {
   std::string kind;
@@ -71,6 +80,7 @@ struct StageResult {
   std::vector<PressureLevel> levels = {};   ///< soft disks: kept minima; the last is the end of the stage
   std::optional<double> softest_mode = {};  ///< ω² for unit masses at the end, in ε/D²
   std::optional<SwapResult> swap = {};
+  std::optional<ShearResult> shear = {};
   std::optional<double> jamming_packing_fraction = {};
   std::optional<double> error_of_jamming_packing_fraction = {};
 };

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "gridlock/core/setting.hpp"
-#include "gridlock/packing/soft_disks.hpp"
+#include "gridlock/packing/quasistatic_shear.hpp"
 
 namespace gridlock {
 
@@ -33,6 +33,13 @@ struct StageSettings {
   std::optional<double> step;                      ///< compress, decompress: step of the packing fraction
   std::optional<std::uint64_t> sweeps;             ///< swap
   std::optional<double> swap_fraction;             ///< swap
+  Deformation deformation = Deformation::simple_shear;  ///< shear
+  std::optional<double> strain_step;                    ///< shear: strain between two minima
+  std::optional<double> until_strain;                   ///< shear: strain at the end, or the amplitude of cycles
+  std::optional<double> until_stress;                   ///< shear: |σ| in ε/D²
+  std::optional<std::uint64_t> cycles;                  ///< shear
+  std::optional<double> strain_accuracy;                ///< shear: strain within which an event is found
+  std::optional<double> min_drop;                       ///< shear: least drop of the stress that is an event
 };
 void describe(StageSettings& settings, SettingVisitor& visitor);
 

@@ -113,7 +113,7 @@ def _rows_with_images(frame: Frame, radii: NDArray[np.float64]) -> tuple[NDArray
     is_cut = (((positions < radius) | (positions > sides - radius)) & periodic).any(axis=1)
     cut = np.flatnonzero(is_cut)
     for shift in [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0) and periodic[np.flatnonzero((i, j))].all()]:
-        images = positions[cut] + shift * sides
+        images = positions[cut] + shift * sides + (shift[1] * frame.box.shift, 0.0)
         shows = ((images > -radius[cut]) & (images < sides + radius[cut])).all(axis=1)
         rows.append(cut[shows])
         places.append(images[shows])

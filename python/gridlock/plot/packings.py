@@ -17,7 +17,7 @@ from ..simulation import Clock
 from .agents import _draw_box, _rows_with_images, _values_given
 from .charts import line
 from .disks import Disks
-from .style import INK, LINE_COLOURS, MARKERS, new_axes
+from .style import GREY, INK, LINE_COLOURS, MARKERS, new_axes
 
 if TYPE_CHECKING:
     import os
@@ -86,7 +86,8 @@ def _draw_key(axes: Axes, found: Contacts) -> None:
 def _frame_of(found: Contacts) -> Frame:
     """The disks inside the box."""
     sides = np.array([found.box.width, found.box.height])
-    places = found.points % sides if found.box.periodic else found.points
+    boxes_up = np.floor(found.points[:, 1:] / found.box.height)
+    places = (found.points - boxes_up * (found.box.shift, 0.0)) % sides if found.box.periodic else found.points
     return Frame(found.box, Clock(0, 0.0), np.arange(len(places), dtype=np.uint64),
                  {"x": places[:, 0], "y": places[:, 1], "radius": found.radii})
 
@@ -167,3 +168,15 @@ def chart_levels(axes: Axes, levels: NDArray[Any], names: dict[float, str]) -> N
     axes.set(yscale="log", xlabel="packing fraction φ", ylabel="pressure P D²/ε")
     axes.locator_params(axis="x", nbins=5)
     axes.legend()
+
+
+def chart_shear(axes: Axes, minima: NDArray[Any], events: NDArray[Any]) -> None:
+    """Shear stress against strain, stage by stage, with a line at each strain where the stress drops."""
+    for number, stage in enumerate(np.unique(minima["stage"])):
+        of_stage = minima[minima["stage"] == stage]
+        axes.plot(of_stage["strain"], of_stage["shear_stress"], color=LINE_COLOURS[number % len(LINE_COLOURS)], marker="", label=f"stage {stage:.0f}")
+    for strain in events["strain"]:
+        axes.axvline(strain, color=GREY, linewidth=0.4, zorder=0)
+    axes.set(xlabel="strain γ", ylabel="shear stress σ D²/ε")
+    if len(np.unique(minima["stage"])) > 1:
+        axes.legend()

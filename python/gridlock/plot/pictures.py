@@ -21,7 +21,7 @@ from ..simulation import Simulation
 from ..sweeps import SweepDirectory
 from .agents import colours_of, frame_of, snapshot, usual_colour
 from .charts import combinations, curve, distribution_of_runs, mark_contacts, reference, series, sweep, swept_number
-from .packings import chart_forces, chart_levels, chart_spectrum, packing
+from .packings import chart_forces, chart_levels, chart_shear, chart_spectrum, packing
 from .style import COLUMN, axis_label, style
 
 #: More lines than that cannot be told apart.
@@ -193,6 +193,14 @@ def _draw_levels(artist: _Artist, run: RunDirectory) -> None:
         artist.chart("levels", lambda axes: chart_levels(axes, levels, names))
 
 
+def _draw_shear(artist: _Artist, run: RunDirectory) -> None:
+    """Stress against strain of each stage of shear, with a mark where the stress drops."""
+    minima = run.table("shear")
+    events = run.table("shear_events") if _has(run.path, "shear_events.csv") else minima[:0]
+    if len(minima) > 1:
+        artist.chart("shear", lambda axes: chart_shear(axes, minima, events))
+
+
 def _require_start_of_steps(first: Frame | None, run: RunDirectory) -> Frame:
     if first is None or len(run.series) < 2:
         raise Error(f"{run.path} does not tell where its disks were after the protocol, from where displacements count\n"
@@ -226,6 +234,8 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
         _draw_mean_displacement(artist, run, 0.1 if is_as_in_paper else None)
     if _has(run.path, "levels.csv"):
         _draw_levels(artist, run)
+    if _has(run.path, "shear.csv"):
+        _draw_shear(artist, run)
     _draw_curves(artist, run, last)
 
 
@@ -356,7 +366,7 @@ def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool =
 
     A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation, and the curves that its
     settings ask for: density profiles, mean_squared_displacement, local_density, cluster_sizes. After a protocol displacements count
-    from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces and levels. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
+    from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces, levels and shear. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
     results against the swept number with the most values, one line for each combination of the others; over seeds alone, a histogram of
     each result. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
 

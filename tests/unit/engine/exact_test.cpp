@@ -9,6 +9,7 @@
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "io/checkpoint.hpp"
+#include "reference/hard_engines.hpp"
 #include "reference/random_scene.hpp"
 
 namespace gridlock {
@@ -389,7 +390,7 @@ TEST(ExactEngine, HandsOutDisksInContactWithoutOverlapHoweverLateItIs) {
   for (std::uint64_t n = 1; n <= 200; ++n) {
     engine->advance(state, counters, {.pair_collisions = n});
     ASSERT_LE(largest_overlap(state), rounding_of_contact(state)) << "collision " << n;
-    for (std::string const& kind : engine_kinds()) {
+    for (std::string const& kind : reference::hard_engine_kinds()) {
       EXPECT_NO_THROW(make_engine({.kind = kind}, state)) << kind << " from collision " << n;
     }
   }

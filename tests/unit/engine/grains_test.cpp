@@ -13,6 +13,7 @@
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/setup.hpp"
+#include "reference/hard_engines.hpp"
 
 namespace gridlock {
 namespace {
@@ -34,7 +35,7 @@ std::string problem_of(EngineSettings const& settings, State const& state) {
 }
 
 TEST(Walls, AreRefusedOutsideTheBoxAndAcrossDisks) {
-  for (std::string const& kind : engine_kinds()) {
+  for (std::string const& kind : reference::hard_engine_kinds()) {
     auto const problem = [&](WallSettings const& wall) {
       return problem_of({.kind = kind, .walls = {{.from = {0.0, 0.0}, .to = {0.5, 0.0}}, wall}}, two_disks());
     };
@@ -58,7 +59,7 @@ TEST(Grains, AreRefusedByEnginesWithATimeStep) {
 }
 
 TEST(FixedDisks, StopOthersInEveryEngineAndStay) {
-  for (std::string const& kind : engine_kinds()) {
+  for (std::string const& kind : reference::hard_engine_kinds()) {
     State state = two_disks();
     state.agents.column<Mass>()[1] = std::numeric_limits<double>::infinity();
     state.agents.column<VelocityX>()[1] = 0.0;

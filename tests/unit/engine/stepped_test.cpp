@@ -483,7 +483,7 @@ TEST(StepDuration, IsTheTimeStepInDiametersOfTheSmallestDiskPerSpeed) {
 }
 
 TEST(MakeEngine, KnowsEveryKindItLists) {
-  State const state = make_state(Edge::wall, {{.position = {0.25, 0.5}}, {.position = {0.75, 0.5}}});
+  State const state = make_state(Edge::periodic, {{.position = {0.25, 0.5}}, {.position = {0.75, 0.5}}});
   auto const kinds = engine_kinds();
   EXPECT_NE(std::ranges::find(kinds, "stepped"), kinds.end());
   for (std::string const& kind : kinds) {

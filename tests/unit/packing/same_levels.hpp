@@ -16,7 +16,8 @@ inline void expect_same(PressureLevel const& a, PressureLevel const& b) {
   for (double PressureLevel::*const member :
        {&PressureLevel::packing_fraction, &PressureLevel::pressure, &PressureLevel::energy, &PressureLevel::residual,
         &PressureLevel::contact_number, &PressureLevel::excess_contacts, &PressureLevel::bulk_modulus,
-        &PressureLevel::shear_modulus, &PressureLevel::least_shear_modulus, &PressureLevel::jamming_packing_fraction}) {
+        &PressureLevel::shear_modulus, &PressureLevel::simple_shear_modulus, &PressureLevel::pure_shear_modulus,
+        &PressureLevel::least_shear_modulus, &PressureLevel::jamming_packing_fraction}) {
     EXPECT_TRUE(is_same(a.*member, b.*member)) << a.*member << " and " << b.*member;
   }
   EXPECT_EQ(a.iterations, b.iterations);

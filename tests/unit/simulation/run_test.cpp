@@ -11,6 +11,7 @@
 #include "core/saturating.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/simulation/simulate.hpp"
+#include "reference/hard_engines.hpp"
 
 namespace gridlock {
 namespace {
@@ -135,7 +136,7 @@ TEST_P(RunOfEveryEngine, ThatStartsAtALaterStepEndsAfterTheLastFrameOfItsWriter)
   EXPECT_EQ(writer.writes, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, RunOfEveryEngine, testing::ValuesIn(engine_kinds()),
+INSTANTIATE_TEST_SUITE_P(Engines, RunOfEveryEngine, testing::ValuesIn(reference::hard_engine_kinds()),
                          [](testing::TestParamInfo<std::string> const& name) { return name.param; });
 
 TEST(Run, ReportsNoSampleBeforeTheFirstAfterTheStart) {

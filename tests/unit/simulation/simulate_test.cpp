@@ -9,6 +9,7 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "reference/hard_engines.hpp"
 #include "simulation/patient_engine.hpp"
 #include "unit/io/temporary_directory.hpp"
 
@@ -51,7 +52,7 @@ std::string refusal_of_start_at(Clock const& clock, std::string const& engine) {
 }
 
 TEST(SetUp, RefusesAStartWhoseClockCannotCountOnWithTheNumbers) {
-  for (std::string const& engine : engine_kinds()) {
+  for (std::string const& engine : reference::hard_engine_kinds()) {
     EXPECT_EQ(refusal_of_start_at({.step = 1'000'000, .time = 1e6}, engine), "");
     std::string const late_step = refusal_of_start_at({.step = never_reached - 5}, engine);
     EXPECT_NE(late_step.find("step 18446744073709551610 is too late"), std::string::npos) << late_step;

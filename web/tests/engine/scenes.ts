@@ -103,6 +103,22 @@ const DISKS: Readonly<Record<string, string>> = {
     "propulsion = { speed = 0.5, rotational_diffusion = 2 }",
 };
 
+const SOFT = PERIODIC + "box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.6\nengine.speed = 1\nrun.time = 0.1\n";
+const SOFT_MIXTURE = SOFT + 'disks.start = "random"\ndisks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]\n';
+const SOFT_EQUAL = SOFT + 'disks.start = "triangular"\n';
+const bath = (kind: string, friction: number): string => `thermostat = { kind = "${kind}", temperature = 0.5, friction = ${friction} }\n`;
+
+const SOFT_DISKS: Readonly<Record<string, string>> = {
+  soft_harmonic: SOFT_MIXTURE + "engine.time_step = 0.02",
+  soft_hertzian: SOFT_EQUAL + 'engine.time_step = 0.02\npotential.kind = "hertzian"',
+  soft_power: SOFT_MIXTURE + 'engine.time_step = 0.002\npotential.kind = "inverse_power"',
+  soft_liquid: SOFT_EQUAL + 'engine.time_step = 0.004\npotential.kind = "lennard_jones"',
+  soft_langevin: SOFT_MIXTURE + bath("langevin", 5) + 'engine.time_step = 0.004\npotential.kind = "wca"',
+  soft_overdamped: SOFT_MIXTURE + bath("overdamped", 100) + 'engine.time_step = 0.001\npotential.kind = "wca"',
+  soft_active:
+    SOFT_EQUAL + bath("overdamped", 100) + 'engine.time_step = 0.001\npotential.kind = "wca"\n' + "propulsion = { speed = 1, rotational_diffusion = 5 }",
+};
+
 const MODELS: Readonly<Record<string, string>> = {
   vicsek: PERIODIC + "box.width = 12\nbox.height = 9\nflocking.count = 600\nrun.steps = 100",
   boids: PERIODIC + 'box.side = 100\nflocking.count = 300\nflocking.rule = "boids"\nflocking.radius = 5\nflocking.speed = 1\nrun.steps = 100',
@@ -132,7 +148,7 @@ export function goldenRows(): GoldenRow[] {
   const disks = rowsOf("hashes.csv").map((row) =>
     row.engine === "protocol"
       ? { ...row, toml: readFileSync(join(root, "scenes", `${row.scene}.toml`), "utf8") }
-      : { ...row, toml: `${SEED}engine.kind = "${row.engine}"\n${found(DISKS[row.scene], row)}` },
+      : { ...row, toml: `${SEED}engine.kind = "${row.engine}"\n${found(DISKS[row.scene] ?? SOFT_DISKS[row.scene], row)}` },
   );
   const shipped = rowsOf("models.csv").filter((row) => row.engine !== "colloid_tiled");
   const models = shipped.map((row) => ({

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/pair_law.hpp"
+#include "engine/soft/disks.hpp"
+#include "engine/soft/lists.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/target.hpp"
+
+namespace gridlock::soft {
+
+/// The numbers that all forces of a state share.
+struct ForceRule {
+  PotentialSettings potential;
+  PairConstants constants;
+  double period_x;
+  double period_y;
+  /// Contact distance of all disks if their radii are equal; else 0.
+  double sigma;
+  /// Forces of pairs are rounded to a multiple of a common power of two by adding this number and taking it away again.
+  /// Sums of up to 128 of them are then exact, so that they depend on no order: not on lists, threads or instructions.
+  double rounding;
+  /// Largest force over distance for which this holds.
+  double max_push;
+};
+
+/// Returns the rule for disks with these radii.
+ForceRule force_rule(PotentialSettings const& potential, Box const& box, RadiusRange const& radii);
+
+/// Computes the forces on the disks of a band. Returns the largest push, force over distance, of a potential that is
+/// not bounded; 0 for others.
+using ComputeForces = double (*)(ForceRule const& rule, Band const& band, Disks& disks);
+
+/// Returns the kernel for these instructions; all give the same bits, as a test verifies. Contract:
+/// is_available(target).
+ComputeForces forces_for(Target target, ForceRule const& rule);
+
+}  // namespace gridlock::soft

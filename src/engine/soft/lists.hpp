@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/soft/disks.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+
+namespace gridlock::soft {
+
+/// Entries are padded to a multiple of this number, so that kernels take whole registers.
+inline constexpr std::size_t entries_at_once = 4;
+
+/// The neighbours of the disks in rows first … end − 1, which one thread moves.
+struct Band {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  std::vector<std::uint32_t> begin;           ///< first entry of each row, and one behind
+  UninitializedArray<std::uint32_t> entries;  ///< rows of neighbours, padded with Disks::size()
+  std::vector<std::uint8_t> is_at_edge;       ///< whether a neighbour of the row may be beyond a periodic edge
+};
+
+/// Distances of the lists.
+struct ListReach {
+  double cutoff;         ///< in contact distances
+  double largest_sigma;  ///< largest contact distance
+  double skin;           ///< entries are nearer than their cutoff plus this
+  bool are_equal;        ///< whether all radii are equal
+};
+
+/// Sorts the disks by their cells and makes the lists of all neighbours of each disk. They are complete while no disk
+/// moves farther than half the skin.
+/// Contract: the cutoff and the skin together are at most half of the shortest period of the box.
+std::vector<Band> make_lists(Box const& box, ListReach const& reach, Disks& disks, ThreadPool& pool);
+
+}  // namespace gridlock::soft

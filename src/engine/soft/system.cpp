@@ -1,0 +1,150 @@
+#include "engine/soft/system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/pair_law.hpp"
+#include "gridlock/core/error.hpp"
+
+namespace gridlock::soft {
+
+namespace {
+
+/// The longest path of a step, in smallest diameters.
+constexpr double max_path = 0.5;
+
+/// Calls visit(row, other, squared distance, contact distance) for each entry of the lists that is a disk.
+template <class Visit>
+void for_each_entry(std::vector<Band> const& bands, Box const& box, Disks const& disks, Visit visit) {
+  for (Band const& band : bands) {
+    for (std::size_t k = 0; k < band.is_at_edge.size(); ++k) {
+      std::size_t const row = band.first + k;
+      for (std::size_t n = band.begin[k]; n < band.begin[k + 1]; ++n) {
+        std::uint32_t const other = band.entries[n];
+        if (other == disks.size()) continue;
+        double const square = squared_length(box.displacement(disks.places[row], disks.places[other]));
+        visit(row, other, square, disks.identities[row].radius + disks.identities[other].radius);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ListReach list_reach(PotentialSettings const& potential, Box const& box, RadiusRange const& radii) {
+  constexpr double usual_skin = 0.3;
+  double const cutoff = cutoff_of(potential);
+  double const sigma = 2.0 * radii.largest;
+  double const room = 0.499 * box.shortest_period() - cutoff * sigma;
+  double const needed = 2.0 * (1.01 * cutoff * sigma);
+  if (!(needed <= box.shortest_period())) {
+    throw Error(
+        {.what = fmt::format("in a periodic box of {} × {} a disk could feel two images of another; the potential "
+                             "\"{}\" of these disks needs sides of at least {:.6g}",
+                             box.width(), box.height(), to_text(potential.kind), needed),
+         .hint = "use more disks, a lower packing fraction, or a shorter potential.cutoff",
+         .key = "box"});
+  }
+  return {.cutoff = cutoff,
+          .largest_sigma = sigma,
+          .skin = std::min(usual_skin * 2.0 * radii.smallest, room),
+          .are_equal = radii.smallest == radii.largest};
+}
+
+System::System(EngineSettings const& settings, State const& state, ThreadPool& pool, double skin)
+    : settings_(settings),
+      box_(state.box),
+      pool_(pool),
+      smallest_diameter_(2.0 * radius_range(state.agents).smallest),
+      forces_(force_rule(settings.potential, state.box, radius_range(state.agents))),
+      moves_(move_rule(settings, state)),
+      reach_(list_reach(settings.potential, state.box, radius_range(state.agents))),
+      kernel_(forces_for(target(), forces_)),
+      disks_(state) {
+  if (skin > 0.0) reach_.skin = std::min(skin * smallest_diameter_, reach_.skin);
+  prepare(moves_, disks_);
+  list_again();
+  compute_forces(state.clock.step);
+}
+
+template <class Result, class DoPart>
+Result System::for_bands(DoPart do_part) {
+  std::vector<Result> results(bands_.size());
+  pool_.for_each(bands_.size(), [&](std::size_t b) { do_part(bands_[b], results[b]); });
+  for (std::size_t b = 1; b < results.size(); ++b) results[0].add(results[b]);
+  return results[0];
+}
+
+void System::list_again() { bands_ = make_lists(box_, reach_, disks_, pool_); }
+
+void System::compute_forces(std::uint64_t step) {
+  struct LargestPush {
+    double value = 0.0;
+    void add(LargestPush const& other) { value = std::max(value, other.value); }
+  };
+  LargestPush const largest =
+      for_bands<LargestPush>([&](Band const& band, LargestPush& push) { push.value = kernel_(forces_, band, disks_); });
+  if (!(largest.value <= forces_.max_push)) throw_near_pair(step);
+}
+
+void System::take_step(std::uint64_t step) {
+  LongestWays const ways = for_bands<LongestWays>(
+      [&](Band const& band, LongestWays& of_band) { of_band = move(moves_, step, band, disks_); });
+  if (!(ways.squared_step <= (max_path * smallest_diameter_) * (max_path * smallest_diameter_))) {
+    throw_long_step(step, ways);
+  }
+  if (4.0 * ways.squared_drift >= reach_.skin * reach_.skin) list_again();
+  compute_forces(step);
+  pool_.for_each(bands_.size(), [&](std::size_t b) { end_step(moves_, bands_[b], disks_); });
+}
+
+void System::throw_long_step(std::uint64_t step, LongestWays const& ways) const {
+  // A tenth of a diameter is a usual longest path.
+  constexpr double usual_path = 0.1;
+  double const path = std::sqrt(ways.squared_step) / smallest_diameter_;
+  double const advised = std::max(settings_.time_step * usual_path / path, 1e-3 * settings_.time_step);
+  throw RunFailure(
+      fmt::format("step {}: disk {} would move {:.3g} diameters of the smallest disk in one time step, more than {}\n"
+                  "  hint: use a shorter engine.time_step, such as {:.1g}",
+                  step, disks_.identities[ways.row].id, path, max_path, advised));
+}
+
+void System::throw_near_pair(std::uint64_t step) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  std::size_t one = 0;
+  std::size_t other = 0;
+  for_each_entry(bands_, box_, disks_, [&](std::size_t row, std::uint32_t to, double square, double sigma) {
+    if (!(square / (sigma * sigma) < nearest)) return;
+    nearest = square / (sigma * sigma);
+    one = row;
+    other = to;
+  });
+  throw RunFailure(fmt::format(
+      "step {}: disks {} and {} are {:.3g} of the sum of their radii apart, where the potential \"{}\" is too steep\n"
+      "  hint: use a shorter engine.time_step, such as {:.1g}",
+      step, disks_.identities[one].id, disks_.identities[other].id, std::sqrt(nearest),
+      to_text(settings_.potential.kind), 0.5 * settings_.time_step));
+}
+
+double System::potential_energy() const {
+  PairLaw const law(settings_.potential);
+  double energy = 0.0;
+  for_each_entry(bands_, box_, disks_, [&](std::size_t /*row*/, std::uint32_t /*other*/, double square, double sigma) {
+    energy += law.energy(square, sigma);
+  });
+  return 0.5 * energy;
+}
+
+double System::kinetic_energy() const {
+  double energy = 0.0;
+  for (std::size_t row = 0; row < disks_.size(); ++row) {
+    if (is_fixed(disks_.identities[row].mass)) continue;
+    energy += 0.5 * disks_.identities[row].mass * squared_length(disks_.motions[row].velocity);
+  }
+  return energy;
+}
+
+}  // namespace gridlock::soft
