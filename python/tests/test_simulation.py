@@ -470,9 +470,9 @@ def test_memory_stays_flat():
     use(500)
     gc.collect()
     before = resident()
-    use(10_000)
+    use(4_000)
     gc.collect()
-    assert resident() - before < 8e6
+    assert resident() - before < 4e6
 
 
 @pytest.mark.parametrize("threads", [-1, 1.5, "two", True])
