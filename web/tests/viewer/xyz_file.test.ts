@@ -131,7 +131,7 @@ describe("A damaged XYZ file", () => {
     ["1\nProperties=id:I:1\n1\n", "line 3: the file has no positions"],
     ["1\nProperties=pos:R:x\n1 2\n", 'the property "pos" has "x" columns'],
     ['1\nLattice="1 0 0 0" Properties=pos:R:2\n1 2\n', "file.xyz, line 2: Lattice is"],
-    ['1\nLattice="2 1 0 0 2 0 0 0 1" Properties=pos:R:2\n1 2\n', "is not orthogonal"],
+    ['1\nLattice="2 1 0 0 2 0 0 0 1" Properties=pos:R:2\n1 2\n', "does not lie along x"],
     ["\u0000\u0001\u0002\n", 'line 1 is "???"'],
     ["99999999999\nx\n", "not the number of agents"],
   ])("%j is refused with its line", async (text, message) => {
