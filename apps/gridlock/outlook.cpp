@@ -42,6 +42,8 @@ std::string in_words(StageSettings stage) {
     std::string const line = settings.substr(at, end - at);
     at = end + 1;
     if (line.empty() || line.starts_with("stage = ")) continue;
+    // Of all settings this one alone has a value where it is not given.
+    if (line.starts_with("deformation = ") && stage.deformation == Deformation::simple_shear) continue;
     text += (text.empty() ? ": " : ", ") + line;
   }
   return stage.kind + text;

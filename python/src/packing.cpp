@@ -54,7 +54,7 @@ void add_contacts(NamedValues& result, std::span<Contact const> contacts, std::s
   result[(prefix + "overlaps").c_str()] = owned_array(std::move(overlaps));
 }
 
-void add_stiffness(NamedValues& result, std::optional<ElasticModuli> const& moduli,
+void add_stiffness(NamedValues& result, ContactNetwork const& network, std::optional<ElasticModuli> const& moduli,
                    std::optional<VibrationMode> const& mode) {
   if (moduli) {
     result["elastic_constants"] =
@@ -124,7 +124,7 @@ NamedValues contacts(Points const& points, Numbers const& radii, BoxValues const
   }
   NamedValues result;
   add_contacts(result, gaps, "gap_");
-  add_stiffness(result, moduli, mode);
+  add_stiffness(result, network, moduli, mode);
   result["packing_fraction"] = fraction;
   add_network(result, std::move(network), largest_residual, mode);
   return result;

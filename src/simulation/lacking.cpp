@@ -18,22 +18,15 @@ struct Lacking {
 
 constexpr std::string_view constant_area =
     "the area of a run is constant; a stage of a [[protocol]] may end at a pressure";
-constexpr std::string_view no_shear = "it says whether a packing is stable against shear, but cannot shear it";
-constexpr std::string_view no_forces = "hard disks fly freely between collisions";
-constexpr std::string_view smooth = "disks are smooth: a collision changes the normal part of the velocity alone";
+constexpr std::string_view no_forces = "disks feel gravity and the potential of pairs alone";
 
 /// Words for missing features; docs/explanation/limits.md explains each of them.
-constexpr std::array<Lacking, 11> all_lacking{{
-    {"langevin", "the thermostats of the engine exact are \"andersen\" and \"brownian\""},
+constexpr std::array<Lacking, 6> all_lacking{{
     {"barostat", constant_area},
     {"pressure", constant_area},
     {"npt", constant_area},
-    {"tilt", "the box is a rectangle"},
-    {"shear", no_shear},
-    {"strain", no_shear},
     {"forces", no_forces},
     {"field", no_forces},
-    {"friction", smooth},
     {"gpu", "it computes on the cores of a processor"},
 }};
 

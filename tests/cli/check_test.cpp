@@ -80,7 +80,7 @@ TEST(Check, OfASmallRunEstimatesNothing) {
 }
 
 TEST(UnknownTable, ThatGridlockHasNotIsSaidToBeLacking) {
-  for (std::string const word : {"langevin", "friction", "pressure", "tilt", "barostat"}) {
+  for (std::string const word : {"pressure", "forces", "barostat"}) {
     Workplace const workplace;
     write(workplace / "a.toml", "[" + word + "]\nvalue = 1.0\n");
     Outcome const outcome = in(workplace, {"check", "a.toml"});
@@ -110,9 +110,9 @@ TEST(Explain, FindsWhatANewcomerLooksFor) {
                            {"grow", {"a stage of a [[protocol]]", "protocol.stage"}},
                            {"quench", {"a stage of a [[protocol]]"}},
                            {"sweep", {"[sweep] lists values", "gridlock sweep"}},
-                           {"shear", {"Gridlock has no shear", "limits", "shear_modulus"}},
+                           {"shear", {"a stage of a [[protocol]]", "shear_modulus"}},
                            {"gravity", {"gravity.y", "length / time²"}},
-                           {"friction", {"Gridlock has no friction"}}}) {
+                           {"friction", {"thermostat.friction"}}}) {
     Outcome const outcome = in(workplace, {"explain", word});
     expect_good(outcome);
     expect_words(outcome.out, found);

@@ -292,7 +292,7 @@ TEST(Protocol, ShearsTheBoxAndTellsTheStressAndItsDrops) {
   EXPECT_EQ(walled.exit_code, 2);
   EXPECT_NE(walled.err.find("a stage \"shear\" in a box that is walled"), std::string::npos) << walled.err;
   Outcome const hard =
-      gridlock::test::gridlock({"check", (scenes / "soft.toml").string(), "--set", "box.tilt=0.1"}, workplace.path());
+      gridlock::test::gridlock({"check", (scenes / "soft_liquid.toml").string(), "--set", "box.tilt=0.1"}, workplace.path());
   EXPECT_EQ(hard.exit_code, 2);
   EXPECT_NE(hard.err.find("knows rectangles only, and box.tilt is 0.1"), std::string::npos) << hard.err;
 }
