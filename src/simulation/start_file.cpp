@@ -40,8 +40,8 @@ void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
   require_edge("box.edge_x", 'x', edge_x_of(settings), box.edge_x());
   require_edge("box.edge_y", 'y', edge_y_of(settings), box.edge_y());
   if (is_given("box.tilt") && !is_close(settings.tilt, box.tilt())) {
-    throw contradiction("box.tilt", fmt::format("the box of the start file has the tilt {}, not {}", box.tilt(),
-                                                settings.tilt));
+    throw contradiction("box.tilt",
+                        fmt::format("the box of the start file has the tilt {}, not {}", box.tilt(), settings.tilt));
   }
   settings = {.edge = box.edge_x(), .side = box.width(), .tilt = box.tilt()};
   if (box.edge_y() != box.edge_x()) settings.edge_y = axis_edge_of(box.edge_y());

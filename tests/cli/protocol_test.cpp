@@ -291,8 +291,8 @@ TEST(Protocol, ShearsTheBoxAndTellsTheStressAndItsDrops) {
   Outcome const walled = gridlock::test::gridlock({"check", scene, "--set", "box.edge=\"wall\""}, workplace.path());
   EXPECT_EQ(walled.exit_code, 2);
   EXPECT_NE(walled.err.find("a stage \"shear\" in a box that is walled"), std::string::npos) << walled.err;
-  Outcome const hard =
-      gridlock::test::gridlock({"check", (scenes / "soft_liquid.toml").string(), "--set", "box.tilt=0.1"}, workplace.path());
+  Outcome const hard = gridlock::test::gridlock(
+      {"check", (scenes / "soft_liquid.toml").string(), "--set", "box.tilt=0.1"}, workplace.path());
   EXPECT_EQ(hard.exit_code, 2);
   EXPECT_NE(hard.err.find("knows rectangles only, and box.tilt is 0.1"), std::string::npos) << hard.err;
 }
