@@ -88,7 +88,7 @@ void require_soft_start(EngineSettings const& settings, State const& state) {
   require_small_overlaps(settings.potential, state);
 }
 
-std::string_view unused_because_of(EngineSettings const& /*settings*/, std::string_view setting) {
+std::string_view unused_in_soft(EngineSettings const& /*settings*/, std::string_view setting) {
   bool const is_used = setting == "kind" || setting == "time_step" || setting == "speed" || setting == "threads";
   return is_used ? "" : "kind";
 }
@@ -102,7 +102,7 @@ EngineRecord soft_record() {
           .has_potential = true,
           .bytes_per_disk = 480.0,
           .bytes_per_disk_of_checkpoint = 19.0,
-          .unused_because_of = unused_because_of,
+          .unused_because_of = unused_in_soft,
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
             return std::make_unique<SoftEngine>(settings, state);
