@@ -114,7 +114,7 @@ def time_lammps(options, directory, text):
 
 def race(options, potential, dynamics, count):
     lattice, side, n = lattice_of(FLUIDS[potential][0], count)
-    options.steps = max(options.least_steps, round(options.disk_steps / n))
+    options.steps = max(options.min_steps, round(options.disk_steps / n))
     names = ["soft"] + [f"LAMMPS skin {skin}" for skin in options.skins]
     least = dict.fromkeys(names, math.inf)
     with tempfile.TemporaryDirectory() as name:
@@ -138,7 +138,7 @@ def main():
     parser.add_argument("--dynamics", nargs="+", choices=["newton", "langevin"], default=["newton", "langevin"])
     parser.add_argument("--skins", nargs="+", type=float, default=[0.2, 0.3, 0.5])
     parser.add_argument("--mixed", type=int, default=300, help="steps before the start")
-    parser.add_argument("--least-steps", type=int, default=50)
+    parser.add_argument("--min-steps", type=int, default=50)
     parser.add_argument("--disk-steps", type=float, default=2e7, help="disks times steps of a run")
     parser.add_argument("--rounds", type=int, default=2)
     options = result_file.options_of(parser, "")

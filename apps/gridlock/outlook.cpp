@@ -41,9 +41,8 @@ std::string in_words(StageSettings stage) {
     std::size_t const end = std::min(settings.find('\n', at), settings.size());
     std::string const line = settings.substr(at, end - at);
     at = end + 1;
-    if (line.empty() || line.starts_with("stage = ")) continue;
-    // Of all settings this one alone has a value where it is not given.
-    if (line.starts_with("deformation = ") && stage.deformation == Deformation::simple_shear) continue;
+    // Choices are in the text of every stage, also of one that does not have them.
+    if (!has_setting(stage.kind, line.substr(0, line.find(" = ")))) continue;
     text += (text.empty() ? ": " : ", ") + line;
   }
   return stage.kind + text;

@@ -298,15 +298,7 @@ class NearPairs {
     std::copy_n(other.pairs_.begin(), other.count_, pairs_.begin() + static_cast<std::ptrdiff_t>(count_));
     count_ += other.count_;
   }
-  [[nodiscard]] PointPairs pairs() const {
-    PointPairs pairs;
-    pairs.indices.resize(2 * count_);
-    for (std::size_t k = 0; k < count_; ++k) {
-      pairs.indices[k] = pairs_[k].first;
-      pairs.indices[count_ + k] = pairs_[k].second;
-    }
-    return pairs;
-  }
+  [[nodiscard]] PointPairs pairs() const { return in_columns(std::span(pairs_).first(count_)); }
 
  private:
   [[nodiscard]] Vector at(std::uint32_t i) const {

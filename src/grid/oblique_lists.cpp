@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "grid/require.hpp"
-#include "gridlock/grid/detail/agent_pairs.hpp"
 #include "gridlock/grid/detail/oblique_points.hpp"
 
 namespace gridlock {
@@ -23,13 +22,7 @@ PointPairs pairs_of_oblique(ObliquePoints const& all, PointPairs const& found, A
     std::uint32_t const j = all.point(found.second()[k]);
     if (i != j && are_near(i, j)) kept.push_back({i, j});
   }
-  PointPairs pairs;
-  pairs.indices.resize(2 * kept.size());
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    pairs.indices[k] = kept[k].first;
-    pairs.indices[kept.size() + k] = kept[k].second;
-  }
-  return pairs;
+  return in_columns(kept);
 }
 
 Vector at(PointsInMemory const& points, std::uint32_t i) {
@@ -44,6 +37,16 @@ ObliquePoints with_images(Box const& box, double cutoff, PointsInMemory const& p
 }
 
 }  // namespace
+
+PointPairs in_columns(std::span<AgentPair const> list) {
+  PointPairs pairs;
+  pairs.indices.resize(2 * list.size());
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    pairs.indices[k] = list[k].first;
+    pairs.indices[list.size() + k] = list[k].second;
+  }
+  return pairs;
+}
 
 PointPairs find_pairs_in_oblique(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads) {
   ObliquePoints const all = with_images(box, cutoff, points);

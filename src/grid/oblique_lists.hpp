@@ -4,9 +4,13 @@
 #include <cstdint>
 #include <span>
 
+#include "gridlock/grid/detail/agent_pairs.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 
 namespace gridlock {
+
+/// Returns the pairs of a list, the first points before the second points.
+PointPairs in_columns(std::span<AgentPair const> list);
 
 // The functions of neighbour_lists.hpp for an oblique box.
 

@@ -94,10 +94,7 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
       sum_of_overlaps += contact.overlap();
     }
     sum += force;
-    double const virial = unit * force * contact.distance;
-    network.stress.xx -= virial * contact.normal.x * contact.normal.x;
-    network.stress.yy -= virial * contact.normal.y * contact.normal.y;
-    network.stress.xy -= virial * contact.normal.x * contact.normal.y;
+    network.stress.add(contact, unit * force);
   }
   network.pressure = 0.5 * (0.0 - network.stress.xx - network.stress.yy);  // the 0.0 keeps −0 away
   if (overlaps == 0) return;

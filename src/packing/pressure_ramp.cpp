@@ -11,6 +11,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/packing/contact_network.hpp"
 #include "gridlock/packing/elasticity.hpp"
+#include "packing/serialized_columns.hpp"
 
 namespace gridlock {
 
@@ -54,21 +55,6 @@ double nth_root(double value, std::uint64_t n) {
 double linear_pressure(double pressure, Potential potential) {
   if (pressure <= 0.0) return 0.0;
   return potential == Potential::harmonic ? pressure : nth_root(pressure * pressure, 3);
-}
-
-/// Serializes one member of all levels. Only the length of a column sets the number of levels: `count` of a damaged
-/// file can be anything.
-template <class Value>
-void serialize_column(Archive& archive, std::string_view name, std::uint64_t count, std::vector<PressureLevel>& levels,
-                      Value PressureLevel::*member) {
-  std::vector<Value> values;
-  if (!archive.is_restoring()) {
-    for (PressureLevel const& level : levels) values.push_back(level.*member);
-  }
-  archive.visit(fmt::format("level_{}", name), values);
-  archive.require(values.size() == count, "the levels of a ramp of pressure differ in number");
-  levels.resize(count);
-  for (std::size_t k = 0; k < count; ++k) levels[k].*member = values[k];
 }
 
 PressureRampSettings const& checked(PressureRampSettings const& settings) {
@@ -348,24 +334,23 @@ PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
 }
 
 void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
-  // Columns are used, because a million levels with a name for each would take more memory in names than in numbers.
   std::uint64_t count = levels.size();
   archive.visit("levels", count);
-  serialize_column(archive, "packing_fraction", count, levels, &PressureLevel::packing_fraction);
-  serialize_column(archive, "pressure", count, levels, &PressureLevel::pressure);
-  serialize_column(archive, "energy", count, levels, &PressureLevel::energy);
-  serialize_column(archive, "residual", count, levels, &PressureLevel::residual);
-  serialize_column(archive, "iterations", count, levels, &PressureLevel::iterations);
-  serialize_column(archive, "backbone_disks", count, levels, &PressureLevel::backbone_disks);
-  serialize_column(archive, "backbone_contacts", count, levels, &PressureLevel::backbone_contacts);
-  serialize_column(archive, "contact_number", count, levels, &PressureLevel::contact_number);
-  serialize_column(archive, "excess_contacts", count, levels, &PressureLevel::excess_contacts);
-  serialize_column(archive, "bulk_modulus", count, levels, &PressureLevel::bulk_modulus);
-  serialize_column(archive, "shear_modulus", count, levels, &PressureLevel::shear_modulus);
-  serialize_column(archive, "simple_shear_modulus", count, levels, &PressureLevel::simple_shear_modulus);
-  serialize_column(archive, "pure_shear_modulus", count, levels, &PressureLevel::pure_shear_modulus);
-  serialize_column(archive, "least_shear_modulus", count, levels, &PressureLevel::least_shear_modulus);
-  serialize_column(archive, "jamming_packing_fraction", count, levels, &PressureLevel::jamming_packing_fraction);
+  serialize_column(archive, "level_packing_fraction", count, levels, &PressureLevel::packing_fraction);
+  serialize_column(archive, "level_pressure", count, levels, &PressureLevel::pressure);
+  serialize_column(archive, "level_energy", count, levels, &PressureLevel::energy);
+  serialize_column(archive, "level_residual", count, levels, &PressureLevel::residual);
+  serialize_column(archive, "level_iterations", count, levels, &PressureLevel::iterations);
+  serialize_column(archive, "level_backbone_disks", count, levels, &PressureLevel::backbone_disks);
+  serialize_column(archive, "level_backbone_contacts", count, levels, &PressureLevel::backbone_contacts);
+  serialize_column(archive, "level_contact_number", count, levels, &PressureLevel::contact_number);
+  serialize_column(archive, "level_excess_contacts", count, levels, &PressureLevel::excess_contacts);
+  serialize_column(archive, "level_bulk_modulus", count, levels, &PressureLevel::bulk_modulus);
+  serialize_column(archive, "level_shear_modulus", count, levels, &PressureLevel::shear_modulus);
+  serialize_column(archive, "level_simple_shear_modulus", count, levels, &PressureLevel::simple_shear_modulus);
+  serialize_column(archive, "level_pure_shear_modulus", count, levels, &PressureLevel::pure_shear_modulus);
+  serialize_column(archive, "level_least_shear_modulus", count, levels, &PressureLevel::least_shear_modulus);
+  serialize_column(archive, "level_jamming_packing_fraction", count, levels, &PressureLevel::jamming_packing_fraction);
 }
 
 }  // namespace gridlock

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +11,7 @@
 #include "core/decay.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/packing/elasticity.hpp"
+#include "packing/serialized_columns.hpp"
 
 namespace gridlock {
 
@@ -24,20 +23,6 @@ constexpr std::uint64_t steps_of_cycle = 4;  ///< amplitudes that a cycle is lon
 
 /// Returns e^(γ/2), by which pure shear stretches a box along x.
 double stretch_of(double strain) { return strain < 0.0 ? decay(-0.5 * strain) : 1.0 / decay(0.5 * strain); }
-
-/// Returns the stress in ε/D².
-StressTensor stress_of(std::span<Contact const> contacts, Potential potential, double area_in_squared_diameters) {
-  StressTensor sum;
-  for (Contact const& contact : contacts) {
-    double const virial = force_of(contact, potential) * contact.distance;
-    Vector const n = contact.normal;
-    sum.xx -= virial * n.x * n.x;
-    sum.yy -= virial * n.y * n.y;
-    sum.xy -= virial * n.x * n.y;
-  }
-  double const area = area_in_squared_diameters;
-  return {.xx = sum.xx / area, .yy = sum.yy / area, .xy = sum.xy / area};
-}
 
 /// Minima are searched along the way down that begins at the deformed packing, without the stages for random starts.
 MinimizerSettings near_minimum(MinimizerSettings settings) {
@@ -96,78 +81,56 @@ std::vector<Vector> motions_between(Packing const& from, Packing const& to) {
   return motions;
 }
 
-template <class Item, class Value>
-void serialize_column(Archive& archive, std::string_view name, std::vector<Item>& items, Value Item::*member) {
-  std::vector<Value> values;
-  if (!archive.is_restoring()) {
-    for (Item const& item : items) values.push_back(item.*member);
-  }
-  archive.visit(name, values);
-  archive.require(values.size() == items.size(), "the columns of a shear differ in length");
-  for (std::size_t k = 0; k < items.size(); ++k) items[k].*member = values[k];
-}
-
-/// Serializes a member of a member.
+/// Returns a function that returns a member of a member.
 template <class Item, class Part>
-void serialize_part(Archive& archive, std::string_view name, std::vector<Item>& items, Part Item::*part,
-                    double Part::*member) {
-  std::vector<double> values;
-  if (!archive.is_restoring()) {
-    for (Item const& item : items) values.push_back(item.*part.*member);
-  }
-  archive.visit(name, values);
-  archive.require(values.size() == items.size(), "the columns of a shear differ in length");
-  for (std::size_t k = 0; k < items.size(); ++k) items[k].*part.*member = values[k];
-}
-
-/// Serializes the number of items by that of a column, which only a file that has them can hold.
-template <class Item>
-void serialize_size(Archive& archive, std::string_view name, std::vector<Item>& items) {
-  std::vector<double> numbers(items.size());
-  archive.visit(name, numbers);
-  items.resize(numbers.size());
+auto member_of(Part Item::*part, double Part::*member) {
+  return [=](Item& item) -> double& { return item.*part.*member; };
 }
 
 }  // namespace
 
 void serialize(Archive& archive, std::vector<ShearedMinimum>& minima) {
-  serialize_size(archive, "minima", minima);
-  serialize_column(archive, "strain", minima, &ShearedMinimum::strain);
-  serialize_column(archive, "shear_stress", minima, &ShearedMinimum::shear_stress);
-  serialize_part(archive, "stress_xx", minima, &ShearedMinimum::stress, &StressTensor::xx);
-  serialize_part(archive, "stress_xy", minima, &ShearedMinimum::stress, &StressTensor::xy);
-  serialize_part(archive, "stress_yy", minima, &ShearedMinimum::stress, &StressTensor::yy);
-  serialize_column(archive, "energy", minima, &ShearedMinimum::energy);
-  serialize_column(archive, "contacts", minima, &ShearedMinimum::contacts);
+  std::uint64_t count = minima.size();
+  archive.visit("minima", count);
+  serialize_column(archive, "strain", count, minima, &ShearedMinimum::strain);
+  serialize_column(archive, "shear_stress", count, minima, &ShearedMinimum::shear_stress);
+  serialize_column(archive, "stress_xx", count, minima, member_of(&ShearedMinimum::stress, &StressTensor::xx));
+  serialize_column(archive, "stress_xy", count, minima, member_of(&ShearedMinimum::stress, &StressTensor::xy));
+  serialize_column(archive, "stress_yy", count, minima, member_of(&ShearedMinimum::stress, &StressTensor::yy));
+  serialize_column(archive, "energy", count, minima, &ShearedMinimum::energy);
+  serialize_column(archive, "contacts", count, minima, &ShearedMinimum::contacts);
 }
 
 void serialize(Archive& archive, std::vector<ShearEvent>& events) {
-  serialize_size(archive, "events", events);
-  serialize_column(archive, "event_strain", events, &ShearEvent::strain);
-  serialize_column(archive, "event_width", events, &ShearEvent::width);
-  serialize_column(archive, "stress_drop", events, &ShearEvent::stress_drop);
-  serialize_column(archive, "energy_drop", events, &ShearEvent::energy_drop);
-  serialize_column(archive, "moved_disks", events, &ShearEvent::moved_disks);
-  serialize_column(archive, "participation", events, &ShearEvent::participation);
-  serialize_column(archive, "largest_motion", events, &ShearEvent::largest_motion);
-  serialize_column(archive, "softest_mode", events, &ShearEvent::softest_mode);
-  serialize_column(archive, "mode_overlap", events, &ShearEvent::mode_overlap);
+  std::uint64_t count = events.size();
+  archive.visit("events", count);
+  serialize_column(archive, "event_strain", count, events, &ShearEvent::strain);
+  serialize_column(archive, "event_width", count, events, &ShearEvent::width);
+  serialize_column(archive, "stress_drop", count, events, &ShearEvent::stress_drop);
+  serialize_column(archive, "energy_drop", count, events, &ShearEvent::energy_drop);
+  serialize_column(archive, "moved_disks", count, events, &ShearEvent::moved_disks);
+  serialize_column(archive, "participation", count, events, &ShearEvent::participation);
+  serialize_column(archive, "largest_motion", count, events, &ShearEvent::largest_motion);
+  serialize_column(archive, "softest_mode", count, events, &ShearEvent::softest_mode);
+  serialize_column(archive, "mode_overlap", count, events, &ShearEvent::mode_overlap);
 }
 
 void serialize(Archive& archive, std::vector<EventMotion>& motions) {
-  serialize_size(archive, "motions", motions);
-  serialize_column(archive, "motion_event", motions, &EventMotion::event);
-  serialize_column(archive, "motion_disk", motions, &EventMotion::disk);
-  serialize_part(archive, "place_x", motions, &EventMotion::place, &Vector::x);
-  serialize_part(archive, "place_y", motions, &EventMotion::place, &Vector::y);
-  serialize_part(archive, "motion_x", motions, &EventMotion::motion, &Vector::x);
-  serialize_part(archive, "motion_y", motions, &EventMotion::motion, &Vector::y);
+  std::uint64_t count = motions.size();
+  archive.visit("motions", count);
+  serialize_column(archive, "motion_event", count, motions, &EventMotion::event);
+  serialize_column(archive, "motion_disk", count, motions, &EventMotion::disk);
+  serialize_column(archive, "place_x", count, motions, member_of(&EventMotion::place, &Vector::x));
+  serialize_column(archive, "place_y", count, motions, member_of(&EventMotion::place, &Vector::y));
+  serialize_column(archive, "motion_x", count, motions, member_of(&EventMotion::motion, &Vector::x));
+  serialize_column(archive, "motion_y", count, motions, member_of(&EventMotion::motion, &Vector::y));
 }
 
 /// A cycle is saved as its largest motion, from which the rest follows.
 void serialize(Archive& archive, std::vector<ShearCycle>& cycles) {
-  serialize_size(archive, "cycles", cycles);
-  serialize_column(archive, "cycle_motion", cycles, &ShearCycle::largest_motion);
+  std::uint64_t count = cycles.size();
+  archive.visit("cycles", count);
+  serialize_column(archive, "cycle_motion", count, cycles, &ShearCycle::largest_motion);
   for (ShearCycle& cycle : cycles) cycle.is_reversible = cycle.largest_motion <= moved_in_cycle;
 }
 
@@ -227,8 +190,9 @@ Packing QuasistaticShear::deformed(double strain) const {
 ShearedMinimum QuasistaticShear::measured(double strain) const {
   Packing const& packing = minimizer_.packing();
   std::vector<Contact> const contacts = minimizer_.contacts();
-  StressTensor const stress =
-      stress_of(contacts, settings_.minimizer.potential, packing.box.area() / (diameter_ * diameter_));
+  double const unit = diameter_ * diameter_ / packing.box.area();
+  StressTensor stress;
+  for (Contact const& contact : contacts) stress.add(contact, unit * force_of(contact, settings_.minimizer.potential));
   bool const is_simple = settings_.deformation == Deformation::simple_shear;
   return {.strain = strain,
           .shear_stress = is_simple ? stress.xy : 0.5 * (stress.xx - stress.yy),
@@ -277,13 +241,13 @@ void QuasistaticShear::take_minimum() {
     end_step();
     if (status_ != ShearStatus::running) return;
   }
-  if (drop_share_ == none) {
-    try_share(1.0);
-    return;
-  }
-  double const middle = 0.5 * (kept_share_ + drop_share_);
+  try_share(next_share());
+}
+
+double QuasistaticShear::next_share() const {
+  if (drop_share_ == none) return 1.0;
   bool const is_narrow = std::abs(strain_of(drop_share_) - strain_of(kept_share_)) <= settings_.accuracy;
-  try_share(is_narrow ? drop_share_ : middle);
+  return is_narrow ? drop_share_ : 0.5 * (kept_share_ + drop_share_);
 }
 
 void QuasistaticShear::try_share(double share) {
@@ -295,7 +259,7 @@ void QuasistaticShear::accept(ShearedMinimum const& minimum) {
   kept_ = minimizer_.packing();
   minimum_ = minimum;
   Box const& box = kept_.box;
-  auto const back = static_cast<std::int32_t>(widths_shifted_back());
+  std::int32_t const back = widths_shifted_back();
   for (std::size_t i = 0; i < kept_.size(); ++i) {
     Vector const before{kept_.x[i], kept_.y[i]};
     Vector const inside = box.inside(before);
@@ -316,7 +280,8 @@ std::int32_t QuasistaticShear::widths_shifted_back() const {
 
 std::vector<std::int32_t> QuasistaticShear::crossed_x() const {
   std::vector<std::int32_t> crossed = crossed_x_;
-  for (std::size_t i = 0; i < crossed.size(); ++i) crossed[i] += widths_shifted_back() * crossed_y_[i];
+  std::int32_t const back = widths_shifted_back();
+  for (std::size_t i = 0; i < crossed.size(); ++i) crossed[i] += back * crossed_y_[i];
   return crossed;
 }
 
@@ -362,8 +327,9 @@ void QuasistaticShear::end_step() {
 
 void QuasistaticShear::end_cycle() {
   std::vector<double> x, y;
+  std::vector<std::int32_t> const crossed_x = this->crossed_x();
   for (std::size_t i = 0; i < kept_.size(); ++i) {
-    Vector const offset = kept_.box.offset_of_image(crossed_x()[i], crossed_y_[i]);
+    Vector const offset = kept_.box.offset_of_image(crossed_x[i], crossed_y_[i]);
     x.push_back(kept_.x[i] + offset.x);
     y.push_back(kept_.y[i] + offset.y);
   }

@@ -25,6 +25,14 @@ struct StressTensor {
   double xx = 0.0;
   double yy = 0.0;
   double xy = 0.0;
+
+  /// Adds a contact; `force` is its force over the area, in ε/D² per length.
+  void add(Contact const& contact, double force) {
+    double const virial = force * contact.distance;
+    xx -= virial * contact.normal.x * contact.normal.x;
+    yy -= virial * contact.normal.y * contact.normal.y;
+    xy -= virial * contact.normal.x * contact.normal.y;
+  }
 };
 
 /// The default bound on the root mean square of the net forces in a minimum, over the mean contact force.

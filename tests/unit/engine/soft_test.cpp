@@ -1,4 +1,4 @@
-// What the engine soft refuses, and how a run of it fails.
+// The engine soft refuses set-ups that it cannot advance, and a run of it that fails says why.
 
 #include "engine/soft.hpp"
 
