@@ -211,7 +211,7 @@ class LammpsDump(OtherFrames):
         order = np.argsort(ids, kind="stable")
         if (np.diff(ids[order]) == 0).any():
             raise Error(f"{where}: two agents have one id\n  hint: write each atom once")
-        box = (sides[0].length, sides[1].length, sides[0].is_periodic, sides[1].is_periodic)
+        box = (sides[0].length, sides[1].length, sides[0].is_periodic, sides[1].is_periodic, 0.0)
         return ids[order], {name: values[order] for name, values in made.items()}, box, self._steps[k], self._times[k]
 
     def _positions(self, columns: Columns, axis: str, side: Side, where: str) -> tuple[NDArray[np.float64], bool]:

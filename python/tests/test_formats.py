@@ -66,7 +66,19 @@ def write_h5md(path, points, *, edges="fixed vector", clock="explicit", boundary
             box["edges/value"] = np.tile(np.diag(sides), (frames, 1, 1))
         elif edges == "sheared":
             box["edges"] = np.diag(sides) + np.eye(d, k=1)
+        elif edges == "oblique":
+            box["edges"] = np.diag(sides) + 0.5 * np.eye(d, k=-1)
         return file.filename
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_h5md_of_an_oblique_box_has_its_tilt_and_positions_inside(tmp_path, d):
+    points = np.array([[0.1, 0.2, 0.0], [0.3, 2.5, 0.0], [-0.2, -0.5, 0.0]])[None, :, :d]
+    write_h5md(tmp_path / "x.h5", points, edges="oblique")
+    frame = gridlock.open(tmp_path / "x.h5")[0]
+    assert frame.box == gridlock.Box(WIDTH, HEIGHT, tilt=0.5 / HEIGHT)
+    # Above the upper edge a point comes in 0.5 farther to the left, below the lower one to the right.
+    np.testing.assert_allclose(frame.positions, [[0.1, 0.2], [2.8, 0.5], [0.3, 1.5]], atol=1e-12)
 
 
 @pytest.mark.parametrize("dimensions", [2, 3])
@@ -149,7 +161,7 @@ def test_the_group_with_positions_is_found_among_others(tmp_path):
 
 
 @pytest.mark.parametrize(("change", "message"), [
-    ({"edges": "sheared"}, "its box is sheared"),
+    ({"edges": "sheared"}, "the first edge of its box is"),
 ])
 def test_boxes_that_do_not_fit_are_refused_in_words(tmp_path, change, message):
     path = write_h5md(tmp_path / "x.h5", positions(), **change)
