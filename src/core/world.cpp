@@ -41,7 +41,8 @@ void serialize(Archive& archive, Box& box) {
     archive.visit("is_periodic_x", is_periodic_x);
     archive.visit("is_periodic_y", is_periodic_y);
   }
-  double shift = box.shift();
+  // A saved rectangle has no shift, whatever the box was that it replaces.
+  double shift = archive.is_restoring() ? 0.0 : box.shift();
   if (archive.is_restoring() ? archive.has("shift") : box.is_oblique()) archive.visit("shift", shift);
   if (!archive.is_restoring()) return;
   auto const edge = [](bool is_periodic) { return is_periodic ? Edge::periodic : Edge::wall; };

@@ -170,7 +170,7 @@ TEST(TrajectoryFaults, EveryFrameToldOfIsReadWhileTheWriterGoesOn) {
 
 // GRIDLOCK_FRAMES for another number.
 TEST(TrajectoryFaults, AReaderThatNeverRestsSeesEveryFrameOfAWriterThatNeverRests) {
-  auto const frames = static_cast<std::uint64_t>(rounds("GRIDLOCK_FRAMES", 10'000));
+  auto const frames = static_cast<std::uint64_t>(rounds("GRIDLOCK_FRAMES", 4'000));
   TemporaryDirectory const directory;
   WriterProcess writer(directory / "t.h5", false, {.agents_at = few, .frames = frames});
   ASSERT_EQ(writer.next_told(), 1U);

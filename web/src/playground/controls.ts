@@ -17,11 +17,13 @@ interface Range {
 /** What one drags by hand, of disks of any model that has them. */
 const DISK_KEYS = ["disks.packing_fraction", "disks.count", "disks.start", "velocities.max"];
 const ENGINE_KEYS = ["engine.kind", "engine.time_step", "engine.contact"];
-/** Of the engine exact: whether there is a bath, and what its kind needs. */
+/** Whether there is a bath, and what its kind needs. */
 const THERMOSTAT_KEYS: Readonly<Record<string, readonly string[]>> = {
   none: ["thermostat.kind"],
   andersen: ["thermostat.kind", "thermostat.temperature", "thermostat.rate"],
   brownian: ["thermostat.kind", "thermostat.temperature", "thermostat.interval"],
+  langevin: ["thermostat.kind", "thermostat.temperature", "thermostat.friction"],
+  overdamped: ["thermostat.kind", "thermostat.temperature", "thermostat.friction"],
 };
 /** Of the engine exact: grains. */
 const GRAIN_KEYS = ["collisions.restitution", "gravity.y"];
@@ -40,6 +42,8 @@ const NAMES: Readonly<Record<string, string>> = {
   "engine.cells": "Cells k",
   "thermostat.kind": "Thermostat",
   "thermostat.temperature": "Temperature kT",
+  "thermostat.friction": "Friction γ",
+  "potential.kind": "Potential",
   "collisions.restitution": "Restitution e",
   "gravity.y": "Gravity",
   "propulsion.speed": "Swim speed v₀",
@@ -79,9 +83,13 @@ function keysOfEngine(values: Values): string[] {
   const propulsion = PROPULSION_KEYS.filter((key) => swims || key === "propulsion.speed");
   const engine = ENGINE_KEYS.filter((key) => key !== "engine.contact" || (values["engine.kind"] !== "exact" && !swims));
   const ofFixed = canBeFixed(values) ? [SPECIES] : [];
+  const kind = String(values["thermostat.kind"] ?? "none");
+  if (values["engine.kind"] === "soft") {
+    const ofPotential = ["potential.kind", ...(values["potential.kind"] === "inverse_power" ? ["potential.exponent"] : [])];
+    return ["engine.kind", "engine.time_step", ...ofPotential, ...(THERMOSTAT_KEYS[kind] ?? []), ...(kind === "overdamped" ? propulsion : [])];
+  }
   // Under a rule with a time step all disks swim, or none.
   if (values["engine.kind"] !== "exact") return [...engine, ...propulsion, ...(swims ? [] : ofFixed)];
-  const kind = String(values["thermostat.kind"] ?? "none");
   return [...engine, ...(THERMOSTAT_KEYS[kind] ?? []), ...GRAIN_KEYS, ...ofFixed, ...(kind === "brownian" ? propulsion : [])];
 }
 

@@ -85,6 +85,21 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "The chart *Mean displacement*, at 1,000 and at 10,000 steps. Drag the line of time to go back.",
     ask: "For which φ has it come to rest after 10,000 steps? What does that say of a simulation that ends there?",
   },
+  shear: {
+    act: "Press *Run*: the disks are pushed apart at φ = 0.86, then the box is sheared in 200 small steps, and forces balance after each.",
+    see: "Lines are forces, the thicker the stronger: after the shear they lean to one side, for they carry its stress.",
+    ask: "At first the disks answer as a solid does, then some slip past each other all at once. Does another *Seed* slip at the same strain?",
+  },
+  soft: {
+    act: "Press *Run*. Then set *Packing fraction φ* to 0.3, and to 0.9.",
+    see: "The chart *Mean displacement*: soft disks in a bath are held by their neighbours where they overlap, and wander off where they do not.",
+    ask: "Hard disks cannot be denser than about 0.91. What do soft disks pay for being denser still?",
+  },
+  soft_liquid: {
+    act: "Press *Run* and wait for drops to form. Then set *Temperature kT* to 1.",
+    see: "Disks that attract each other gather into a liquid and leave empty space behind. In a hot bath they spread through the whole box.",
+    ask: "Why do holes shrink although nothing pulls at their rim from inside? At which temperature is there no liquid any more?",
+  },
   turn_order: {
     act: "Run to the end with the *Engine* stepped, then with tiled. Set *Packing fraction φ* to 0.7 and compare again.",
     see: "The chart *Mean displacement*. Both engines follow one rule; disks only take their turns in another order.",
