@@ -136,13 +136,16 @@ std::string FrameStore::frame(fs::path const& file, std::size_t k, std::vector<s
     read = trajectory.frame(k);
   }
   Frame& frame = read.frame;
-  Json json{
-      {"step", frame.clock.step},
-      {"time", frame.clock.time},
-      {"box", {{"width", frame.box.width()}, {"height", frame.box.height()}, {"periodic", periodic_axes(frame.box)}}},
-      {"count", frame.size()},
-      {"stateHash", fmt::format("{:016x}", read.state_hash)},
-      {"columns", Json::array()}};
+  Json json{{"step", frame.clock.step},
+            {"time", frame.clock.time},
+            {"box",
+             {{"width", frame.box.width()},
+              {"height", frame.box.height()},
+              {"periodic", periodic_axes(frame.box)},
+              {"shift", frame.box.shift()}}},
+            {"count", frame.size()},
+            {"stateHash", fmt::format("{:016x}", read.state_hash)},
+            {"columns", Json::array()}};
   std::vector<FrameColumn> const sent = chosen_columns(frame, columns);
   std::size_t offset = 0;
   for (FrameColumn const& column : sent) {

@@ -131,11 +131,12 @@ class ShownReader {
     if (!header_.sides) return;
     frame.sides = {header_.sides->width, header_.sides->height};
     frame.is_periodic = header_.is_periodic;
+    if (frame.is_periodic[0] && frame.is_periodic[1]) frame.shift = header_.sides->shift;
     auto& [x, y] = place;
     for (std::size_t row = 0; row < x.size(); ++row) {
       x[row] -= header_.origin.x;
       y[row] -= header_.origin.y;
-      if (header_.is_periodic[1]) x[row] -= header_.sides->shift * fold(y[row], header_.sides->height);
+      if (header_.is_periodic[1]) x[row] -= frame.shift * fold(y[row], header_.sides->height);
       if (header_.is_periodic[0]) fold(x[row], header_.sides->width);
     }
   }

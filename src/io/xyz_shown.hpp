@@ -20,6 +20,7 @@ struct ShownFrame {
   std::optional<double> step;
   std::optional<double> time;
   std::optional<std::array<double, 2>> sides;  ///< sides of the box; none if the file has no box
+  double shift = 0.0;                          ///< xy, 0 between walls
   std::array<bool, 2> is_periodic{};           ///< along x and along y
   std::vector<double> ids;
   std::vector<ShownColumn> columns;  ///< including x and y

@@ -71,7 +71,25 @@ Json box_of(Box const& box) {
   // One answer where x and y are alike, else one for each.
   Json const periodic =
       box.edge_x() == box.edge_y() ? Json(box.is_periodic()) : Json::array({box.is_periodic_x(), box.is_periodic_y()});
-  return {{"width", box.width()}, {"height", box.height()}, {"periodic", periodic}};
+  return {{"width", box.width()}, {"height", box.height()}, {"periodic", periodic}, {"shift", box.shift()}};
+}
+
+/// Returns the 3 × 3 block of cells around a point. Beyond the lower and the upper edge of an oblique box the cells are
+/// those of the shifted image.
+std::vector<int> cells_around(Box const& box, CellLayout const& cells, Vector place) {
+  std::vector<int> block;
+  if (!box.is_oblique()) {
+    cells.for_each_cell_in_block(cells.cell_of(place), 1, 1, [&](int cell) { block.push_back(cell); });
+    return block;
+  }
+  for (int row = -1; row <= 1; ++row) {
+    for (int column = -1; column <= 1; ++column) {
+      Vector const to{column * cells.cell_width(), row * cells.cell_height()};
+      int const cell = cells.cell_of(box.inside(place + to));
+      if (std::ranges::find(block, cell) == block.end()) block.push_back(cell);
+    }
+  }
+  return block;
 }
 
 Json drawn(std::string_view name, std::string_view unit, std::string_view documentation,
@@ -116,7 +134,6 @@ Json Session::description() {
   CellLayout const cells = layout();
   return {{"title", model.title(setup_.configuration)},
           {"agentsName", model.agents_name()},
-          {"box", box_of(simulation().box())},
           {"columns", columns},
           {"drawnColumns", drawn_columns()},
           {"seriesColumns", series},
@@ -138,7 +155,8 @@ Json Session::notes() const {
 Json Session::status() const {
   Preparation const preparation = simulation().preparation();
   std::uint64_t const end = plan_.stop_condition.step;
-  return {{"count", simulation().agents()},
+  return {{"box", box_of(simulation().box())},
+          {"count", simulation().agents()},
           {"step", simulation().clock().step},
           {"time", simulation().clock().time},
           {"timeStep", simulation().time_step()},
@@ -318,7 +336,7 @@ Json Session::protocol_tables() const {
   };
   Json tables = Json::object();
   for (Distribution const& table : simulation().distributions()) {
-    if (table.name != "stages" && table.name != "levels") continue;
+    if (table.name != "stages" && table.name != "levels" && table.name != "shear") continue;
     Json columns = Json::object();
     for (std::size_t c = 0; c < table.columns.size(); ++c)
       columns[table.columns[c].name] = cells(table.columns_of_values[c]);
@@ -368,8 +386,7 @@ Json Session::neighbourhood(double id) {
   CellLayout const cells = layout();
   Vector const place{x[*found], y[*found]};
   int const own = cells.cell_of(place);
-  std::vector<int> block;
-  cells.for_each_cell_in_block(own, 1, 1, [&](int cell) { block.push_back(cell); });
+  std::vector<int> const block = cells_around(simulation().box(), cells, place);
   double const near_squared = cutoff() * cutoff();
   std::vector<std::uint64_t> inside, near;
   for (std::uint32_t const row : order) {

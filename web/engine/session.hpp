@@ -19,9 +19,9 @@ class Session {
   /// Errors: those of set_up(), and Error for settings that a page does not support: files, or a long start.
   explicit Session(SettingsFile const& file);
 
-  /// Returns the constant properties: title, box, settings, columns, notes of the set-up.
+  /// Returns the constant properties: title, settings, columns, notes of the set-up.
   [[nodiscard]] Json description();
-  /// Returns the changing properties: clock, state of the protocol, progress.
+  /// Returns the changing properties: box, clock, state of the protocol, progress.
   [[nodiscard]] Json status() const;
   /// Returns the notes of the set-up, and those of the protocol after its end.
   [[nodiscard]] Json notes() const;
@@ -44,7 +44,7 @@ class Session {
   /// Returns the rows of the series from `from_row` on, one after the other.
   [[nodiscard]] std::vector<double> series(std::size_t from_row) const;
   [[nodiscard]] Json results() const;
-  /// Returns the tables "stages" and "levels" for the stages that have ended; none without a protocol.
+  /// Returns the tables "stages", "levels" and "shear" for the stages that have ended; none without a protocol.
   [[nodiscard]] Json protocol_tables() const;
 
   [[nodiscard]] std::string state_hash() const;

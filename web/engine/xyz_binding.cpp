@@ -29,6 +29,7 @@ val value_of(xyz::ShownFrame const& frame) {
     both.call<void>("push", periodic_x);
     both.call<void>("push", periodic_y);
     box.set("periodic", periodic_x == periodic_y ? val(periodic_x) : both);
+    box.set("shift", frame.shift);
     value.set("box", box);
   }
   value.set("ids", array_of(frame.ids));

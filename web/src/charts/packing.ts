@@ -16,16 +16,18 @@ export interface Estimate {
   readonly standardError: number;
 }
 
-/** The outcome of a protocol: stages.csv, levels.csv and the results of its last stages. */
+/** The outcome of a protocol: stages.csv, levels.csv, shear.csv and the results of its last stages. */
 export interface PackingTables {
   readonly stages: NamedColumns;
   /** Without rows where no disks are soft. */
   readonly levels: NamedColumns;
+  /** Minima along a strain; without rows where no stage shears. */
+  readonly shear: NamedColumns;
   readonly results: readonly Estimate[];
 }
 
 /** A chart with its data: the abscissa, then every curve. */
-export interface ChartOfLevels {
+export interface PackingChart {
   readonly description: ChartDescription;
   readonly columns: readonly (readonly number[])[];
   /** The value of each curve at the end of its stage. */
@@ -54,14 +56,14 @@ export function stagesOf({ stages, levels }: PackingTables): StageRow[] {
 }
 
 /** Pressure and contact number by stage, and the moduli in the last stage of soft disks, all against the packing fraction. */
-export function chartsOfLevels(tables: PackingTables): ChartOfLevels[] {
+export function chartsOfLevels(tables: PackingTables): PackingChart[] {
   const numbers = [...new Set(column(tables.levels, "stage"))];
   const last = numbers.at(-1);
   if (last === undefined) return [];
-  const byStage = numbers.map((number) => ({ stage: number, name: nameOfStage(tables.stages, number) }));
   const { documentation } = LEVELS;
-  const of = (title: string, unit: string, quantity: string): ChartOfLevels =>
-    chart(tables.levels, title, unit, byStage.map((one) => ({ ...one, quantity, documentation: documentation[quantity] ?? "" })));
+  const abscissa = { name: "packing fraction φ", values: column(tables.levels, "packing_fraction") };
+  const of = (title: string, unit: string, quantity: string): PackingChart =>
+    chart(tables.levels, abscissa, title, unit, curvesByStage(tables.stages, numbers, quantity, documentation[quantity] ?? ""));
   const moduli = ["bulk_modulus", "shear_modulus"].map((quantity) => ({
     stage: last,
     name: quantity,
@@ -71,8 +73,31 @@ export function chartsOfLevels(tables: PackingTables): ChartOfLevels[] {
   return [
     of("Pressure of soft disks", "ε / D²", "pressure"),
     of("Contact number", "", "contact_number"),
-    chart(tables.levels, `Elastic moduli, stage ${nameOfStage(tables.stages, last)}`, "ε / D²", moduli),
+    chart(tables.levels, abscissa, `Elastic moduli, stage ${nameOfStage(tables.stages, last)}`, "ε / D²", moduli),
   ];
+}
+
+/** Shear stress and pressure of the minima of every stage that shears, against the strain. */
+export function chartsOfShear({ stages, shear }: PackingTables): PackingChart[] {
+  const numbers = [...new Set(column(shear, "stage"))];
+  if (numbers.length === 0) return [];
+  const of = (title: string, quantity: string, documentation: string): PackingChart =>
+    chart(shear, strainOf(shear), title, "ε / D²", curvesByStage(stages, numbers, quantity, documentation));
+  return [
+    of("Stress against strain", "shear_stress", "The shear stress of the packing. A straight rise is elastic; where it drops, some disks have slipped past others."),
+    of("Pressure under shear", "pressure", "Of the same packings: disks that are sheared in a box of fixed area press more or less on each other."),
+  ];
+}
+
+/** The strain, or where a stage goes to and fro the length of its path, which only grows. */
+function strainOf(shear: NamedColumns): Abscissa {
+  const stages = column(shear, "stage");
+  const strains = column(shear, "strain");
+  const isFirst = (row: number): boolean => stages[row] !== stages[row - 1];
+  const step = (row: number): number => (isFirst(row) ? 0 : (strains[row] as number) - (strains[row - 1] as number));
+  if (strains.every((_, row) => step(row) >= 0)) return { name: "strain γ", values: strains };
+  let path = 0;
+  return { name: "path of the strain, Σ |Δγ|", values: strains.map((_, row) => (path = isFirst(row) ? 0 : path + Math.abs(step(row)))) };
 }
 
 const LEVELS: { readonly documentation: Readonly<Record<string, string>> } = {
@@ -84,32 +109,41 @@ const LEVELS: { readonly documentation: Readonly<Record<string, string>> } = {
   },
 };
 
-interface CurveOfLevels {
+interface Abscissa {
+  readonly name: string;
+  readonly values: readonly number[];
+}
+
+interface CurveOfStage {
   readonly stage: number;
   readonly name: string;
   readonly quantity: string;
   readonly documentation: string;
 }
 
-function chart(levels: NamedColumns, title: string, unit: string, curves: readonly CurveOfLevels[]): ChartOfLevels {
-  const stages = column(levels, "stage");
-  const fractions = column(levels, "packing_fraction");
+function curvesByStage(stages: NamedColumns, numbers: readonly number[], quantity: string, documentation: string): CurveOfStage[] {
+  return numbers.map((stage) => ({ stage, name: nameOfStage(stages, stage), quantity, documentation }));
+}
+
+function chart(table: NamedColumns, abscissa: Abscissa, title: string, unit: string, curves: readonly CurveOfStage[]): PackingChart {
+  const stages = column(table, "stage");
+  const at = abscissa.values;
   const isShown = (row: number): boolean => curves.some((curve) => curve.stage === stages[row]);
-  const rows = [...stages.keys()].filter(isShown).sort((one, other) => (fractions[one] as number) - (fractions[other] as number));
-  const valueAt = (curve: CurveOfLevels, row: number): number =>
-    stages[row] === curve.stage ? (column(levels, curve.quantity)[row] ?? NaN) : NaN;
+  const rows = [...stages.keys()].filter(isShown).sort((one, other) => (at[one] as number) - (at[other] as number));
+  const valueAt = (curve: CurveOfStage, row: number): number =>
+    stages[row] === curve.stage ? (column(table, curve.quantity)[row] ?? NaN) : NaN;
   return {
     description: {
       title,
       unit,
-      abscissa: "packing fraction φ",
+      abscissa: abscissa.name,
       curves: curves.map(({ stage, name, documentation }) => ({
         name,
         documentation,
         isOnePoint: stages.filter((one) => one === stage).length === 1,
       })),
     },
-    columns: [rows.map((row) => fractions[row] as number), ...curves.map((curve) => rows.map((row) => valueAt(curve, row)))],
+    columns: [rows.map((row) => at[row] as number), ...curves.map((curve) => rows.map((row) => valueAt(curve, row)))],
     ends: curves.map((curve) => valueAt(curve, stages.lastIndexOf(curve.stage))),
   };
 }

@@ -1,7 +1,7 @@
 import type { Theme } from "../drawing/overlay.ts";
 import { element, subscripts } from "../page/dom.ts";
 import { LineChart } from "./line_chart.ts";
-import { chartsOfLevels, plain, stagesOf, withError, type PackingTables } from "./packing.ts";
+import { chartsOfLevels, chartsOfShear, plain, stagesOf, withError, type PackingTables } from "./packing.ts";
 
 /** The results that are listed, in this order, where they are known. */
 const RESULTS: readonly { name: string; label: string; hint: string; isVerdict?: boolean }[] = [
@@ -13,11 +13,16 @@ const RESULTS: readonly { name: string; label: string; hint: string; isVerdict?:
   { name: "least_shear_modulus", label: "Softest G, ε/D²", hint: "Against the shear that costs least; below 0 the packing gives way to it." },
   { name: "is_jammed", label: "Jammed", hint: "Forces balance, with pressure and enough contacts and no way down.", isVerdict: true },
   { name: "is_shear_stable", label: "Stable against shear", hint: "Every shear costs energy.", isVerdict: true },
+  { name: "shear_strain", label: "Strain γ", hint: "At the end of the last shear." },
+  { name: "first_shear_modulus", label: "First slope dσ/dγ, ε/D²", hint: "Of the shear stress against the strain, in the first step." },
+  { name: "shear_events", label: "Rearrangements", hint: "Drops of the shear stress, in each of which some disks slip past others." },
+  { name: "first_event_strain", label: "First at γ", hint: "The strain of the first rearrangement." },
+  { name: "flow_stress", label: "Flow stress, ε/D²", hint: "The mean of the shear stress over the second half of the strain." },
   { name: "reduced_pressure", label: "Z = βP/ρ", hint: "Of the hard disks in the last stage." },
 ];
 
 /**
- * A packing in numbers: the stages of its protocol, its results, and charts against the packing fraction.
+ * A packing in numbers: the stages of its protocol, its results, and charts against the packing fraction and the strain.
  *
  * ```ts
  * const packing = new PackingCharts();
@@ -39,7 +44,7 @@ export class PackingCharts {
     if (tables === undefined) return;
     const group = element("div", { class: "group" }, element("h2", {}, "Packing"), ...this.texts(tables));
     this.element.replaceChildren(group);
-    for (const { description, columns, ends } of chartsOfLevels(tables)) {
+    for (const { description, columns, ends } of [...chartsOfShear(tables), ...chartsOfLevels(tables)]) {
       const chart = new LineChart(description);
       this.charts.push(chart);
       this.element.append(chart.element);

@@ -23,11 +23,36 @@ export interface Box {
   readonly height: number;
   /** Along x and along y, or one answer for both. */
   readonly periodic: boolean | readonly [boolean, boolean];
+  /** Of an oblique periodic box: by how much the images above are farther to the right, from −width/2 to width/2. 0 where it is absent. */
+  readonly shift?: number;
 }
 
 /** Whether a box is periodic along x and along y. */
 export function periodicAxes({ periodic }: Pick<Box, "periodic">): readonly [boolean, boolean] {
   return typeof periodic === "boolean" ? [periodic, periodic] : periodic;
+}
+
+/** From a point to the nearest image of another, whose difference is (dx, dy): across the edges that are periodic. */
+export function toNearestImage(box: Box, dx: number, dy: number): Point {
+  const { width, height, shift = 0 } = box;
+  const [isPeriodicX, isPeriodicY] = periodicAxes(box);
+  const up = isPeriodicY ? Math.round(dy / height) : 0;
+  const along = dx - up * shift;
+  return { x: isPeriodicX ? along - width * Math.round(along / width) : along, y: dy - up * height };
+}
+
+/** A disk in a periodic box and its images across the edges that it reaches over: their centres, its own first. */
+export function imagesInSight(box: Box, x: number, y: number, radius: number): Point[] {
+  const { width, height, shift = 0 } = box;
+  const [isPeriodicX, isPeriodicY] = periodicAxes(box);
+  const beside = (x: number, y: number): Point[] => {
+    const right = !isPeriodicX ? 0 : x < radius ? 1 : x > width - radius ? -1 : 0;
+    return right === 0 ? [{ x, y }] : [{ x, y }, { x: x + right * width, y }];
+  };
+  const up = !isPeriodicY ? 0 : y < radius ? 1 : y > height - radius ? -1 : 0;
+  if (up === 0) return beside(x, y);
+  const above = x + up * shift;
+  return [...beside(x, y), ...beside(shift === 0 ? x : above - width * Math.floor(above / width), y + up * height)];
 }
 
 /**

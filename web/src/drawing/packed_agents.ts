@@ -1,6 +1,6 @@
 import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
-import { markRadius, periodicAxes, withoutBigInts, type Box, type Frame, type Numbers } from "./frame.ts";
+import { imagesInSight, markRadius, periodicAxes, withoutBigInts, type Box, type Frame, type Numbers } from "./frame.ts";
 
 /** A rectangle in pixels of a canvas, from its upper left corner. */
 export interface Clip {
@@ -58,14 +58,12 @@ export class PackedAgents {
       const y = this.numbers[4 * i + 1] as number;
       const third = this.numbers[4 * i + 2] as number;
       const r = reach ?? third;
-      const dx = !isPeriodicX ? 0 : x < r ? box.width : x > box.width - r ? -box.width : 0;
-      const dy = !isPeriodicY ? 0 : y < r ? box.height : y > box.height - r ? -box.height : 0;
-      if (dx === 0 && dy === 0) continue;
+      const isInside = !((isPeriodicX && (x < r || x > box.width - r)) || (isPeriodicY && (y < r || y > box.height - r)));
+      if (isInside) continue;
       this.reserve(end + 3);
       const place = this.numbers[4 * i + 3] as number;
-      if (dx !== 0) end = this.put(end, x + dx, y, third, place);
-      if (dy !== 0) end = this.put(end, x, y + dy, third, place);
-      if (dx !== 0 && dy !== 0) end = this.put(end, x + dx, y + dy, third, place);
+      const [, ...images] = imagesInSight(box, x, y, r);
+      for (const image of images) end = this.put(end, image.x, image.y, third, place);
     }
     return end;
   }

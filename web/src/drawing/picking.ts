@@ -1,11 +1,8 @@
-import { periodicAxes, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+import { positionAt, radiusAt, toNearestImage, type Frame, type Point } from "./frame.ts";
 
 /** From `from` to `to` by the shortest way: across the edges that are periodic. */
 export function shortest(frame: Frame, from: Point, to: Point): Point {
-  const [isPeriodicX, isPeriodicY] = periodicAxes(frame.box);
-  const along = (difference: number, side: number, isPeriodic: boolean): number =>
-    isPeriodic ? difference - side * Math.round(difference / side) : difference;
-  return { x: along(to.x - from.x, frame.box.width, isPeriodicX), y: along(to.y - from.y, frame.box.height, isPeriodicY) };
+  return toNearestImage(frame.box, to.x - from.x, to.y - from.y);
 }
 
 /** The row of the agent at a place, or the nearest one within `tolerance` of its border; null where there is none. */

@@ -1,6 +1,6 @@
 import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
-import { markRadius, numberAt, periodicAxes, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+import { imagesInSight, markRadius, numberAt, periodicAxes, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
 import { outlineWidth } from "./packed_agents.ts";
 import {
   borders,
@@ -88,11 +88,8 @@ function agent({ frame, camera }: View, row: number, at: Point, fill: string, ou
 
 function images(frame: Frame, row: number): Point[] {
   const centre = positionAt(frame, row);
-  const [isPeriodicX, isPeriodicY] = periodicAxes(frame.box);
   const reach = frame.radius === undefined ? 2.2 * markRadius(frame.box, frame.count) : radiusAt(frame, row);
-  const along = (value: number, side: number, isPeriodic: boolean): number[] =>
-    !isPeriodic ? [value] : value < reach ? [value, value + side] : value > side - reach ? [value, value - side] : [value];
-  return along(centre.x, frame.box.width, isPeriodicX).flatMap((x) => along(centre.y, frame.box.height, isPeriodicY).map((y) => ({ x, y })));
+  return imagesInSight(frame.box, centre.x, centre.y, reach);
 }
 
 function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {

@@ -32,7 +32,6 @@ import type { Catalogue, Reply, Request, SentError } from "./protocol.ts";
 export interface SessionInfo {
   readonly title: string;
   readonly agentsName: string;
-  readonly box: BoxDescription;
   readonly timeStep: number;
   readonly endStep: number;
   readonly columns: readonly ColumnDescription[];
@@ -48,6 +47,7 @@ export interface SessionInfo {
 export interface EngineFrame {
   readonly step: number;
   readonly time: number;
+  readonly box: BoxDescription;
   readonly count: number;
   readonly ids: Float64Array;
   /** x, y of each agent. */

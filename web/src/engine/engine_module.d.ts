@@ -53,7 +53,13 @@ declare module "virtual:gridlock-xyz" {
     /** NaN where the file does not say; of the time too. */
     readonly step: number;
     readonly time: number;
-    readonly box?: { readonly width: number; readonly height: number; readonly periodic: boolean | readonly [boolean, boolean] };
+    readonly box?: {
+      readonly width: number;
+      readonly height: number;
+      readonly periodic: boolean | readonly [boolean, boolean];
+      /** xy of the Lattice, which may be longer than the width. */
+      readonly shift: number;
+    };
     readonly ids: Float64Array;
     readonly columns: readonly { readonly name: string; readonly values: Float64Array }[];
     readonly notes: readonly string[];

@@ -116,6 +116,8 @@ export interface BoxDescription {
   readonly height: number;
   /** Along x and along y, or one answer for both. */
   readonly periodic: boolean | readonly [boolean, boolean];
+  /** By how much the images above are farther to the right: 0 but in an oblique periodic box. */
+  readonly shift: number;
 }
 
 /** The cells of the uniform grid. Cells are numbered row by row from the lower left corner. */
@@ -174,6 +176,7 @@ export interface Session {
   readonly title: string;
   /** What the agents are called: "disks", "birds". */
   readonly agentsName: string;
+  /** Of this moment: a protocol can shear it. */
   readonly box: BoxDescription;
   readonly count: number;
   readonly step: number;
@@ -229,7 +232,7 @@ export interface Session {
   readonly seriesLength: number;
   /** The averages so far. */
   results(): readonly NamedEstimate[];
-  /** The tables "stages" and "levels", of the stages of a protocol that have ended: what the command line writes to stages.csv and levels.csv. */
+  /** The tables "stages", "levels" and "shear", of the stages of a protocol that have ended: what the command line writes to stages.csv and so on. */
   protocolTables(): Readonly<Record<string, ProtocolTable>>;
 
   /** Of the state now: 16 hexadecimal digits, as `gridlock run` prints. */
@@ -357,7 +360,6 @@ class LoadedGridlock implements Gridlock {
 interface Description {
   title: string;
   agentsName: string;
-  box: BoxDescription;
   columns: ColumnDescription[];
   drawnColumns: DrawnColumn[];
   seriesColumns: SeriesColumn[];
@@ -365,6 +367,7 @@ interface Description {
 }
 
 interface Status {
+  box: BoxDescription;
   count: number;
   step: number;
   time: number;
@@ -397,7 +400,7 @@ class OpenSession implements Session {
     return this.description.agentsName;
   }
   get box(): BoxDescription {
-    return this.description.box;
+    return this.status.box;
   }
   get count(): number {
     return this.status.count;

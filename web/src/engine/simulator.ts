@@ -73,7 +73,6 @@ export class Simulator {
     return {
       title: session.title,
       agentsName: session.agentsName,
-      box: session.box,
       timeStep: session.timeStep,
       endStep: session.endStep,
       columns: session.columns(),
@@ -152,8 +151,8 @@ export class Simulator {
   }
   packing(): PackingTables {
     const session = this.opening();
-    const { stages = NO_ROWS, levels = NO_ROWS } = session.protocolTables();
-    return { stages, levels, results: session.results() };
+    const { stages = NO_ROWS, levels = NO_ROWS, shear = NO_ROWS } = session.protocolTables();
+    return { stages, levels, shear, results: session.results() };
   }
   stateHash(): string {
     return this.opening().stateHash();
@@ -265,6 +264,7 @@ export class Simulator {
     const frame: EngineFrame = {
       step: session.step,
       time: session.time,
+      box: session.box,
       count: session.count,
       ids: session.ids(),
       positions,

@@ -3,6 +3,7 @@
 import type { SettingDescription, SettingValue } from "../engine/gridlock.ts";
 import { element, select, words } from "../page/dom.ts";
 import { canBeFixed, SHARE_OF_FIXED, shareOfFixed, SPECIES, withShareOfFixed } from "./fixed_share.ts";
+import { describedKey, PROTOCOL, stageKeys, withStageValue } from "./stage_settings.ts";
 
 type Values = Readonly<Record<string, SettingValue>>;
 
@@ -53,6 +54,8 @@ const NAMES: Readonly<Record<string, string>> = {
   "box.edge_x": "Left and right edge",
   "box.edge_y": "Lower and upper edge",
   "run.seed": "Seed",
+  "protocol[].packing_fraction": "Quench at φ",
+  "protocol[].until_strain": "Shear to strain γ",
 };
 const RANGES: Readonly<Record<string, Range>> = {
   "disks.packing_fraction": { least: 0.01, most: 0.9 },
@@ -66,6 +69,8 @@ const RANGES: Readonly<Record<string, Range>> = {
   "collisions.restitution": { least: 0.1, most: 1 },
   "gravity.y": { least: -10, most: 10 },
   "run.seed": { least: 1, most: 100, integer: true },
+  "protocol[].packing_fraction": { least: 0.7, most: 1.1 },
+  "protocol[].until_strain": { least: 0.01, most: 0.5 },
 };
 
 /** The keys of the controls of a run, the most important first. */
@@ -73,8 +78,8 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
   const model = String(values["model.kind"] ?? "disks");
   const known = new Set(settings.map((setting) => setting.key));
   const ofModel = settings.filter((setting) => setting.table === model && isSimple(setting)).map((setting) => setting.key);
-  return [...new Set([...(model === "disks" ? [...DISK_KEYS, ...keysOfEngine(values)] : ofModel), ...COMMON_KEYS])].filter((key) =>
-    known.has(key),
+  return [...new Set([...(model === "disks" ? [...DISK_KEYS, ...stageKeys(values), ...keysOfEngine(values)] : ofModel), ...COMMON_KEYS])].filter((key) =>
+    known.has(describedKey(key)),
   );
 }
 
@@ -99,12 +104,12 @@ function isSimple(setting: SettingDescription): boolean {
 
 export function nameOf(key: string): string {
   const last = words(key.slice(key.lastIndexOf(".") + 1));
-  return NAMES[key] ?? last.charAt(0).toUpperCase() + last.slice(1);
+  return NAMES[describedKey(key)] ?? last.charAt(0).toUpperCase() + last.slice(1);
 }
 
 /** The range of a slider: what is allowed, or what is reasonable around the value. */
 export function rangeOf(setting: SettingDescription, value: number): Range {
-  const known = RANGES[setting.key];
+  const known = RANGES[describedKey(setting.key)];
   if (known !== undefined) return { ...known, least: Math.min(known.least, value), most: Math.max(known.most, value) };
   const integer = setting.kind === "integer";
   const usual = Math.max(typeof setting.default === "number" ? Math.abs(setting.default) : 0, Math.abs(value)) || 1;
@@ -164,11 +169,17 @@ export class Controls {
   }
 
   private make(key: string, value: SettingValue): Control {
-    const setting = this.settings.find((one) => one.key === key) as SettingDescription;
+    const described = this.settings.find((one) => one.key === describedKey(key)) as SettingDescription;
+    const setting = { ...described, key };
     if (setting.choices.length > 0) return this.choice(setting);
     if (setting.kind === "switch") return this.switch(setting);
-    if (key === SPECIES) return this.slider({ ...setting, documentation: SHARE_OF_FIXED }, Number(value), (text) => withShareOfFixed(this.values, Number(text)));
-    return this.slider(setting, typeof value === "number" ? value : Number(setting.default ?? 0));
+    if (key === SPECIES) {
+      const change = (text: string): void => this.onChange(SPECIES, withShareOfFixed(this.values, Number(text)));
+      return this.slider({ ...setting, documentation: SHARE_OF_FIXED }, Number(value), change);
+    }
+    const number = typeof value === "number" ? value : Number(setting.default ?? 0);
+    if (key === describedKey(key)) return this.slider(setting, number);
+    return this.slider(setting, number, (text) => this.onChange(PROTOCOL, withStageValue(this.settings, this.values, key, Number(text))));
   }
 
   private choice(setting: SettingDescription): Control {
@@ -204,10 +215,10 @@ export class Controls {
     };
   }
 
-  /** `written`: what a number of the slider is in the settings. */
-  private slider(setting: SettingDescription, value: number, written = (text: string): string => text): Control {
+  /** `change`: what a number of the slider does. */
+  private slider(setting: SettingDescription, value: number, change = (text: string): void => this.onChange(setting.key, text)): Control {
     const range = rangeOf(setting, value);
-    const id = `setting-${setting.key.replaceAll(".", "-")}`;
+    const id = `setting-${setting.key.replaceAll(/[^a-z0-9_]/g, "-")}`;
     const name = nameOf(setting.key);
     const slider = element("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": name });
     const number = element("input", { type: "number", id, step: "any", title: setting.unit });
@@ -217,10 +228,10 @@ export class Controls {
     slider.addEventListener("input", () => {
       number.value = String(valueAt(range, Number(slider.value) / 1000));
       say();
-      this.onChange(setting.key, written(number.value));
+      change(number.value);
     });
     number.addEventListener("change", () => {
-      if (number.value !== "") this.onChange(setting.key, written(number.value));
+      if (number.value !== "") change(number.value);
     });
     const hint = element("p", { class: "hint wide", hidden: true });
     const field = element(

@@ -86,9 +86,9 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     ask: "For which φ has it come to rest after 10,000 steps? What does that say of a simulation that ends there?",
   },
   shear: {
-    act: "Press *Run*: the disks are pushed apart at φ = 0.86, then the box is sheared in 200 small steps, and forces balance after each.",
-    see: "Lines are forces, the thicker the stronger: after the shear they lean to one side, for they carry its stress.",
-    ask: "At first the disks answer as a solid does, then some slip past each other all at once. Does another *Seed* slip at the same strain?",
+    act: "Press *Run*: the disks are pushed apart at φ = 0.86, then the box is sheared in 200 small steps, and forces balance after each. Then set *Quench at φ* to 0.9.",
+    see: "The chart *Stress against strain*: where it rises the packing answers as a solid, where it drops at once some disks slip past others. Lines are forces, the thicker the stronger.",
+    ask: "Which of the two packings is stiffer, and which slips first? Does another *Seed* slip at the same strain?",
   },
   soft: {
     act: "Press *Run*. Then set *Packing fraction φ* to 0.3, and to 0.9.",

@@ -1,6 +1,6 @@
 import { packingFraction, plain } from "../charts/packing.ts";
 import { PackingCharts } from "../charts/packing_charts.ts";
-import type { Engine, EngineFrame, SessionInfo } from "../engine/engine_client.ts";
+import type { Engine, EngineFrame } from "../engine/engine_client.ts";
 import { words } from "../page/dom.ts";
 
 /** The packing that a protocol makes, stage by stage. */
@@ -26,11 +26,11 @@ export class PackingPanel extends PackingCharts {
 }
 
 /** Beside the slider of the packing fraction, which says what the start of a protocol has; empty without a protocol. */
-export function densityHint({ box }: Pick<SessionInfo, "box">, frame: Pick<EngineFrame, "radii" | "isPrepared" | "preparation">): string {
+export function densityHint(frame: Pick<EngineFrame, "box" | "radii" | "isPrepared" | "preparation">): string {
   const { stages, finished, what } = frame.preparation;
   if (stages === 0) return "";
   const when = frame.isPrepared ? "after the protocol" : `in stage ${finished + 1} of ${stages}, ${words(what)}`;
-  return `Of the start. Now φ = ${plain(packingFraction(frame.radii, box), 5)}, ${when}.`;
+  return `Of the start. Now φ = ${plain(packingFraction(frame.radii, frame.box), 5)}, ${when}.`;
 }
 
 /** Whether time passes: not before the first step after a protocol. */

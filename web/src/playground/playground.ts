@@ -385,7 +385,7 @@ export class Playground {
     this.draw();
     this.transport.show(frame, info.agentsName);
     this.showPreparation(frame);
-    this.controls?.setHint("disks.packing_fraction", densityHint(info, frame));
+    this.controls?.setHint("disks.packing_fraction", densityHint(frame));
     void this.packing.follow(this.engine, frame);
     this.showCharts(frame);
     if (this.inspector?.id !== null) void this.inspector?.refresh(info, frame);
@@ -397,7 +397,7 @@ export class Playground {
     const colouring = colouringOf(info, frame, this.chosenColour, this.range);
     const isFlock = colouring.by === "directions" && !info.drawnColumns.some((column) => column.name === "radius");
     const shown: Frame = {
-      box: info.box,
+      box: frame.box,
       count: frame.count,
       positions: frame.positions,
       ...(isFlock ? { heading: frame.colour } : { radius: frame.radii }),

@@ -19,6 +19,9 @@ const COLOURS: Readonly<Record<string, string>> = {
   melting: "psi6",
   mixture: "plain",
   jamming: "plain",
+  shear: "plain",
+  soft: "plain",
+  soft_liquid: "plain",
 };
 
 /** Samples often enough for charts that are watched. */

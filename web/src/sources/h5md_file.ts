@@ -4,7 +4,7 @@ import type { Box, Numbers } from "../drawing/frame.ts";
 import { wallsIn } from "../drawing/walls.ts";
 import { SourceError, type Description, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
 import type { FrameReader } from "./source_worker.ts";
-import { putInside, surround } from "./xyz_file.ts";
+import { leanOf, putInside, surround } from "./xyz_file.ts";
 
 const ABSENT_ID = 2n ** 64n - 1n;
 
@@ -110,16 +110,18 @@ export class H5mdFile implements FrameReader {
     columns["y"] = y;
     const sides = this.sidesAt(index);
     if (sides === undefined) return surround(x, y);
-    const [width, height] = sides;
+    const [width, height, shift] = sides;
     if (!(width > 0) || !(height > 0)) this.refuse(`the box of frame ${index} is ${width} × ${height}`);
     const [alongX, alongY] = this.periodicity();
+    if (shift !== 0 && !(alongX && alongY)) this.refuse("its box is oblique and has walls");
+    if (shift !== 0) y.forEach((value, row) => { x[row]! -= shift * Math.floor(value / height); });
     putInside(x, 0, width, alongX);
     putInside(y, 0, height, alongY);
-    return { width, height, periodic: alongX === alongY ? alongX : [alongX, alongY] };
+    return { width, height, periodic: alongX === alongY ? alongX : [alongX, alongY], ...leanOf(shift, width, columns) };
   }
 
-  /** Edges are lengths or a matrix of vectors, fixed or of each frame; without them nothing is known of the box. */
-  private sidesAt(index: number): [number, number] | undefined {
+  /** Width, height and shift. Edges are lengths or a matrix of vectors, fixed or of each frame; without them nothing is known of the box. */
+  private sidesAt(index: number): [number, number, number] | undefined {
     const box = this.group(`${this.path}/box`);
     const fixed = this.dataset(`${this.path}/box/edges`);
     const each = this.dataset(`${this.path}/box/edges/value`);
@@ -134,8 +136,9 @@ export class H5mdFile implements FrameReader {
     }
     if (edges === undefined || edges.length < 2) return undefined;
     const dimensions = edges.length === 4 ? 2 : edges.length === 9 ? 3 : 1;
-    if (dimensions > 1 && (edges[1] !== 0 || edges[dimensions] !== 0)) this.refuse("its box is sheared, and only rectangles are shown");
-    return dimensions === 1 ? [edges[0] as number, edges[1] as number] : [edges[0] as number, edges[dimensions + 1] as number];
+    if (dimensions === 1) return [edges[0] as number, edges[1] as number, 0];
+    if (edges[1] !== 0) this.refuse(`the first edge of its box is (${edges[0]}, ${edges[1]}), and only boxes with that edge along x are shown`);
+    return [edges[0] as number, edges[dimensions + 1] as number, edges[dimensions] as number];
   }
 
   private periodicity(): [boolean, boolean] {

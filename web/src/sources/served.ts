@@ -58,8 +58,9 @@ export class Served {
       const { files } = (await (await request(`${address}about.json`)).json()) as RunInfo;
       const text = async (name: string): Promise<string> =>
         files.some((file) => file.name === name) ? (await request(`${address}files/${name}`)).text() : "";
-      const [stages, levels, summary] = await Promise.all(["stages.csv", "levels.csv", "summary.json"].map(text));
-      return stages === "" ? undefined : packingOf(stages as string, levels as string, summary as string);
+      const names = ["stages.csv", "levels.csv", "summary.json", "shear.csv"];
+      const [stages = "", levels = "", summary = "", shear = ""] = await Promise.all(names.map(text));
+      return stages === "" ? undefined : packingOf(stages, levels, summary, shear);
     } catch {
       return undefined; // the frames are shown all the same
     }

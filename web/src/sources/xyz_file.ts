@@ -1,6 +1,6 @@
 import createXyzReader, { packedModule, type Answer, type ReadFrame, type XyzModule } from "virtual:gridlock-xyz";
 
-import type { Box, Numbers } from "../drawing/frame.ts";
+import { numberAt, type Box, type Numbers } from "../drawing/frame.ts";
 import { instantiate } from "../engine/instantiate.ts";
 import type { Bytes } from "./bytes.ts";
 import { SourceError, type Description, type SourceFrame } from "./source.ts";
@@ -142,7 +142,8 @@ async function frameAt(module: XyzModule, bytes: Bytes, place: Place): Promise<{
   const read = valueOf(module.readFrame(await bytes.read(place.offset, place.length), bytes.name, place.line), bytes.name);
   const columns: Record<string, Numbers> = {};
   for (const { name, values } of read.columns) columns[name] = values;
-  const box = read.box ?? surround(columns["x"] as Float64Array, columns["y"] as Float64Array);
+  const { shift = 0, ...sides } = read.box ?? surround(columns["x"] as Float64Array, columns["y"] as Float64Array);
+  const box = { ...sides, ...leanOf(shift, sides.width, columns) };
   return { frame: { step: read.step, time: read.time, box, ids: read.ids, columns, stateHash: "" }, notes: read.notes };
 }
 
@@ -152,6 +153,20 @@ export function putInside(values: Float64Array, edge: number, side: number, peri
     const value = (values[row] as number) - edge;
     values[row] = periodic ? value - side * Math.floor(value / side) : value;
   }
+}
+
+/**
+ * The shift of a box between −width/2 and width/2; none of a rectangle. Shifts that differ by whole widths have the same images, but agents have
+ * then crossed other numbers of edges.
+ */
+export function leanOf(shift: number, width: number, columns: Record<string, Numbers>): Pick<Box, "shift"> {
+  if (shift === 0) return {};
+  const widths = Math.round(shift / width);
+  const { image_x: right, image_y: up } = columns;
+  if (widths !== 0 && right !== undefined && up !== undefined) {
+    columns["image_x"] = Float64Array.from({ length: right.length }, (_, row) => numberAt(right, row) + widths * numberAt(up, row));
+  }
+  return { shift: shift - widths * width };
 }
 
 /** The rectangle around points, which are moved into it. */

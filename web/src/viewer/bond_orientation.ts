@@ -1,6 +1,6 @@
 /** The sixfold order around each agent, of a frame that no engine knows. */
 
-import { numberAt, periodicAxes, type Numbers } from "../drawing/frame.ts";
+import { numberAt, periodicAxes, toNearestImage, type Numbers } from "../drawing/frame.ts";
 import type { SourceFrame } from "../sources/source.ts";
 
 /** Of the spacing of the triangular lattice: midway between its first shell and its second. */
@@ -23,10 +23,7 @@ export function localBondOrientationOrders({ columns, ids, box }: SourceFrame): 
   const imaginary = new Float64Array(count);
   const neighbours = new Uint32Array(count);
   const towards = (row: number, other: number): void => {
-    let dx = (x[other] as number) - (x[row] as number);
-    let dy = (y[other] as number) - (y[row] as number);
-    if (isPeriodicX) dx -= box.width * Math.round(dx / box.width);
-    if (isPeriodicY) dy -= box.height * Math.round(dy / box.height);
+    const { x: dx, y: dy } = toNearestImage(box, (x[other] as number) - (x[row] as number), (y[other] as number) - (y[row] as number));
     const squared = dx * dx + dy * dy;
     if (!(squared > 0) || squared > reach * reach) return;
     // (dx + i dy)² / |d|² to the third power.
@@ -49,15 +46,11 @@ class Cells {
   private readonly begin: Int32Array;
   private readonly sorted: Int32Array;
 
-  constructor(x: Float64Array, y: Float64Array, private readonly box: SourceFrame["box"], reach: number) {
+  constructor(private readonly x: Float64Array, y: Float64Array, private readonly box: SourceFrame["box"], reach: number) {
     this.columns = Math.max(1, Math.floor(box.width / reach));
     this.rows = Math.max(1, Math.floor(box.height / reach));
-    const place = (value: number, side: number, cells: number): number => {
-      const cell = Math.floor((value / side) * cells);
-      return Number.isNaN(cell) ? 0 : Math.min(cells - 1, Math.max(0, cell));
-    };
     this.cellOf = Int32Array.from(x, (value, row) =>
-      place(y[row] as number, box.height, this.rows) * this.columns + place(value, box.width, this.columns));
+      placeOf(y[row] as number, box.height, this.rows) * this.columns + placeOf(value, box.width, this.columns));
     this.begin = new Int32Array(this.columns * this.rows + 1);
     for (const cell of this.cellOf) ++this.begin[cell + 1]!;
     for (let cell = 0; cell < this.columns * this.rows; ++cell) this.begin[cell + 1]! += this.begin[cell] as number;
@@ -71,19 +64,32 @@ class Cells {
     const own = this.cellOf[row] as number;
     const ownRow = Math.floor(own / this.columns);
     const [isPeriodicX, isPeriodicY] = periodicAxes(this.box);
-    for (const cellRow of this.around(ownRow, this.rows, isPeriodicY)) {
-      for (const column of this.around(own % this.columns, this.columns, isPeriodicX)) {
-        const cell = cellRow * this.columns + column;
-        for (let at = this.begin[cell] as number; at < (this.begin[cell + 1] as number); ++at) {
-          const other = this.sorted[at] as number;
-          if (other !== row) visit(other);
-        }
+    const { width, shift = 0 } = this.box;
+    const cells = new Set<number>();
+    for (const next of [ownRow - 1, ownRow, ownRow + 1]) {
+      const up = next < 0 ? -1 : next >= this.rows ? 1 : 0;
+      if (up !== 0 && !isPeriodicY) continue;
+      // Across the lower and the upper edge of an oblique box lies another part of the row.
+      const x = (this.x[row] as number) - up * shift;
+      const column = up === 0 || shift === 0 ? own % this.columns : placeOf(x - width * Math.floor(x / width), width, this.columns);
+      for (const one of around(column, this.columns, isPeriodicX)) cells.add((next - up * this.rows) * this.columns + one);
+    }
+    for (const cell of cells) {
+      for (let at = this.begin[cell] as number; at < (this.begin[cell + 1] as number); ++at) {
+        const other = this.sorted[at] as number;
+        if (other !== row) visit(other);
       }
     }
   }
+}
 
-  private around(place: number, count: number, isPeriodic: boolean): number[] {
-    const all = [place - 1, place, place + 1].map((one) => (isPeriodic ? (one + count) % count : one));
-    return [...new Set(all)].filter((one) => one >= 0 && one < count);
-  }
+/** The number of the cell of a value from 0 to `side`. */
+function placeOf(value: number, side: number, cells: number): number {
+  const cell = Math.floor((value / side) * cells);
+  return Number.isNaN(cell) ? 0 : Math.min(cells - 1, Math.max(0, cell));
+}
+
+function around(place: number, count: number, isPeriodic: boolean): number[] {
+  const all = [place - 1, place, place + 1].map((one) => (isPeriodic ? (one + count) % count : one));
+  return all.filter((one) => one >= 0 && one < count);
 }

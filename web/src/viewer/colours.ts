@@ -1,7 +1,7 @@
 /** What the agents of a frame can be coloured by. */
 
 import { MOST_KINDS, rangeOf, type Colouring } from "../drawing/colouring.ts";
-import { numberAt, periodicAxes, type Frame, type Numbers } from "../drawing/frame.ts";
+import { numberAt, toNearestImage, type Frame, type Numbers, type Point } from "../drawing/frame.ts";
 import { words } from "../page/dom.ts";
 import type { SourceFrame, ValueNames } from "../sources/source.ts";
 import { localBondOrientationOrders } from "./bond_orientation.ts";
@@ -79,19 +79,22 @@ function directions({ columns, ids }: SourceFrame): Numbers | undefined {
 export function displacements(frame: SourceFrame, first: SourceFrame): Float32Array {
   const rows = new Map<number, number>();
   first.ids.forEach((id, row) => rows.set(id, row));
-  const [isPeriodicX, isPeriodicY] = periodicAxes(frame.box);
-  const along = (name: "x" | "y", side: number, isPeriodic: boolean, row: number, before: number): number => {
-    const now = numberAt(frame.columns[name] as Numbers, row);
-    const then = numberAt(first.columns[name] as Numbers, before);
-    const image = frame.columns[`image_${name}`];
-    const imageBefore = first.columns[`image_${name}`];
-    if (image !== undefined && imageBefore !== undefined) return now - then + side * (numberAt(image, row) - numberAt(imageBefore, before));
-    return isPeriodic ? now - then - side * Math.round((now - then) / side) : now - then;
-  };
+  const hasImages = [frame, first].every(({ columns }) => columns["image_x"] !== undefined && columns["image_y"] !== undefined);
   return Float32Array.from(frame.ids, (id, row) => {
     const before = rows.get(id);
-    return before === undefined ? NaN : Math.hypot(along("x", frame.box.width, isPeriodicX, row, before), along("y", frame.box.height, isPeriodicY, row, before));
+    if (before === undefined) return NaN;
+    const [now, then] = [placeOf(frame, row, hasImages), placeOf(first, before, hasImages)];
+    const [dx, dy] = [now.x - then.x, now.y - then.y];
+    const away = hasImages ? { x: dx, y: dy } : toNearestImage(frame.box, dx, dy);
+    return Math.hypot(away.x, away.y);
   });
+}
+
+/** Where an agent is, over the edges that it has crossed where it has images. */
+function placeOf({ box, columns }: SourceFrame, row: number, hasImages: boolean): Point {
+  const of = (name: string): number => numberAt(columns[name] as Numbers, row);
+  const [right, up] = hasImages ? [of("image_x"), of("image_y")] : [0, 0];
+  return { x: of("x") + right * box.width + up * (box.shift ?? 0), y: of("y") + up * box.height };
 }
 
 /** The most cells along an edge that a screen shows. */

@@ -10,6 +10,7 @@ import { SCENES } from "../../src/playground/scenes.ts";
 /** On the page of every scene. */
 const EVERYWHERE = ["Run", "Restart", "Single step", "Rate", "state hash", "Scene", "Colour by"];
 const OF_PACKINGS = ["Contact number"];
+const OF_SHEAR = ["Stress against strain", "Pressure under shear"];
 
 it("every name in a guide is that of a control or a chart on the page of its scene", async () => {
   const gridlock = await loadGridlock();
@@ -18,7 +19,8 @@ it("every name in a guide is that of a control or a chart on the page of its sce
     const controls = mainKeys(gridlock.settings(), session.values()).map(nameOf);
     const charts = chartsFor(session.seriesColumns()).flatMap(({ title, curves }) => [title, ...curves.map(({ name }) => words(name))]);
     const packing = session.preparation.stages > 0 ? OF_PACKINGS : [];
-    const known = [...EVERYWHERE, ...controls, ...charts, ...packing];
+    const shear = scene.toml.includes('stage = "shear"') ? OF_SHEAR : [];
+    const known = [...EVERYWHERE, ...controls, ...charts, ...packing, ...shear];
     const unknown = namesIn(GUIDES[scene.name] ?? { act: "", see: "", ask: "" }).filter((name) => !known.includes(name));
     expect(unknown, `${scene.name}: ${known.join(", ")}`).toEqual([]);
     session.dispose();

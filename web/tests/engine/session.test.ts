@@ -1,5 +1,5 @@
 import { spawnSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
@@ -251,25 +251,43 @@ describe("a session", () => {
 
   it("has the tables of its protocol as the program writes them, stage by stage", () => {
     const folder = mkdtempSync(join(tmpdir(), "gridlock-stages-"));
-    const toml =
+    const decompressed =
       'disks.count = 36\ndisks.start = "uniform"\nbox.edge = "periodic"\nbox.width = 1.5\nbox.height = 0.8\n' +
       '[[protocol]]\nstage = "quench"\npacking_fraction = 0.9\n[[protocol]]\nstage = "decompress"\nuntil_pressure = 1e-4\n';
+    const sheared = findScene("shear")?.toml ?? "";
     try {
-      writeFileSync(join(folder, "run.toml"), toml);
-      const { status } = spawnSync(program(), ["run", "run.toml", "-o", "results", "-q", "--no-pictures"], { cwd: folder });
-      expect(status).toBe(0);
-      const written = (name: string): string => readFileSync(join(folder, "results", name), "utf8");
-      const expected = packingOf(written("stages.csv"), written("levels.csv"), written("summary.json"));
-      const session = gridlock.open(toml);
-      expect(session.protocolTables()).toEqual({});
-      while (!session.isPrepared) session.advance(0, 5);
-      const { stages, levels } = session.protocolTables();
-      expect({ stages, levels, results: session.results().map(({ name, mean, standardError }) => ({ name, mean, standardError })) }).toEqual(expected);
-      expect(stages?.names).toEqual(["quench", "decompress"]);
-      session.dispose();
+      for (const [name, toml] of Object.entries({ decompressed, sheared })) {
+        writeFileSync(join(folder, "run.toml"), toml);
+        const { status } = spawnSync(program(), ["run", "run.toml", "-o", name, "-q", "--no-pictures"], { cwd: folder });
+        expect(status).toBe(0);
+        const written = (file: string): string => (existsSync(join(folder, name, file)) ? readFileSync(join(folder, name, file), "utf8") : "");
+        const expected = packingOf(written("stages.csv"), written("levels.csv"), written("summary.json"), written("shear.csv"));
+        const session = gridlock.open(toml);
+        expect(session.protocolTables()).toEqual({});
+        while (!session.isPrepared) session.advance(0, 5);
+        const { stages, levels, shear = { names: [], columns: {} } } = session.protocolTables();
+        expect({ stages, levels, shear, results: session.results().map(({ name, mean, standardError }) => ({ name, mean, standardError })) }).toEqual(expected);
+        expect(stages?.names).toEqual(["quench", name === "sheared" ? "shear" : "decompress"]);
+        session.dispose();
+      }
     } finally {
       rmSync(folder, { recursive: true });
     }
+  });
+
+  it("shears its box in a protocol, and finds neighbours across the shifted edges", () => {
+    const session = gridlock.open(findScene("shear")?.toml ?? "");
+    const start = session.save();
+    expect(session.box).toEqual({ width: 1, height: 1, periodic: true, shift: 0 });
+    while (!session.isPrepared) session.advance(0, 50);
+    expect(session.box).toEqual({ width: 1, height: 1, periodic: true, shift: 0.2 });
+    const { ids, forces } = session.contacts();
+    expect(forces.length).toBeGreaterThan(100);
+    const near = Array.from({ length: session.count }, (_, id) => session.neighbourhood(id).near);
+    forces.forEach((_, i) => expect(near[ids[2 * i] as number]).toContain(ids[2 * i + 1]));
+    session.restore(start);
+    expect(session.box.shift).toBe(0);
+    session.dispose();
   });
 
   it("refuses to restore what is of another session, and stays as it was", () => {

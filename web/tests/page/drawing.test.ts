@@ -280,6 +280,25 @@ describe("places", () => {
     ]);
   });
 
+  test("across the lower and the upper edge of an oblique box images and shortest ways are shifted", () => {
+    const lean = (positions: number[]): Frame => ({ ...frameOf(positions, 0.05), box: { width: 1, height: 1, periodic: true, shift: 0.25 } });
+    const packed = new PackedAgents();
+    const cut = lean([0.9, 0.02, 0.5, 0.99, 0.23, 0.99, 0.01, 0.5]);
+    packed.pack(cut, paint(cut, { by: "plain" }));
+    const images = Array.from({ length: packed.count }, (_, i) => [0, 1].map((k) => Number(packed.numbers[4 * i + k]?.toFixed(3)))).slice(4);
+    // The images of the third are across the lower edge and the left one.
+    expect(images).toEqual([[0.15, 1.02], [0.25, -0.01], [0.98, -0.01], [-0.02, -0.01], [1.01, 0.5]]);
+    const frame = lean([0.1, 0.05, 0.4, 0.95]);
+    expect(distance(frame, { x: 0.1, y: 0.05 }, { x: 0.4, y: 0.95 })).toBeCloseTo(Math.hypot(0.05, 0.1), 12);
+    expect(agentAt(frame, { x: 0.15, y: 0.005 }, 0.01)).toBe(1);
+    const camera = new Camera();
+    camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true);
+    const ends = contactLines(camera, frame, 0, 1).map((line) => line.map((end) => Object.values(camera.toBox(end)).map((value) => Number(value.toFixed(9)))));
+    expect(ends).toEqual([[[0.1, 0.05], [0.15, -0.05]], [[0.4, 0.95], [0.35, 1.05]]]);
+    const svg = toSvg({ frame: cut, paint: paint(cut, { by: "plain" }), camera, overlay: {}, theme: LIGHT, width: 400, height: 400 });
+    expect(svg).toContain('<circle cx="60" cy="-8"');
+  });
+
   test("columns of any numbers are packed, with the radius, or of darts the heading, and the place in the palette", () => {
     const box = { width: 10, height: 10, periodic: false };
     const packed = new PackedAgents();

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 
-import { chartsOfLevels, packingFraction, plain, stagesOf, withError } from "../../src/charts/packing.ts";
+import { chartsOfLevels, chartsOfShear, packingFraction, plain, stagesOf, withError } from "../../src/charts/packing.ts";
 import { densityHint } from "../../src/playground/packing_panel.ts";
 import { packingOf } from "../../src/sources/protocol_tables.ts";
 
@@ -57,6 +57,20 @@ test("pressure and contact number are drawn against φ by stage, and the moduli 
   expect(moduli?.ends).toEqual([0.25, 0.00027]);
 });
 
+test("stress and pressure are drawn against the strain, and against its path where it goes to and fro", () => {
+  const shear = (strains: number[]): string =>
+    `stage,strain,shear_stress,pressure\n${strains.map((strain, i) => `3,${strain},${0.5 * strain},${i}`).join("\n")}\n`;
+  const [stress, pressure] = chartsOfShear(packingOf(STAGES, LEVELS, SUMMARY, shear([0, 0.25, 0.5])));
+  expect(stress?.description).toMatchObject({ title: "Stress against strain", abscissa: "strain γ", curves: [{ name: "3 decompress" }] });
+  expect(stress?.columns).toEqual([[0, 0.25, 0.5], [0, 0.125, 0.25]]);
+  expect(stress?.ends).toEqual([0.25]);
+  expect(pressure?.columns).toEqual([[0, 0.25, 0.5], [0, 1, 2]]);
+  const [cycle] = chartsOfShear(packingOf(STAGES, LEVELS, SUMMARY, shear([0, 0.25, 0, -0.25, 0])));
+  expect(cycle?.description.abscissa).toBe("path of the strain, Σ |Δγ|");
+  expect(cycle?.columns).toEqual([[0, 0.25, 0.5, 0.75, 1], [0, 0.125, 0, -0.125, 0]]);
+  expect(chartsOfShear(tables)).toEqual([]);
+});
+
 test("hard disks alone have stages, and no charts of soft ones", () => {
   const hard = packingOf(STAGES.split("\n").slice(0, 2).join("\n") + "\n", "", "");
   expect(stagesOf(hard)).toMatchObject([{ name: "1 grow", isSoft: false }]);
@@ -68,10 +82,10 @@ test("the packing fraction is that of the radii in a box of unequal sides", () =
 });
 
 test("beside the slider stands the density of the present stage, and nothing without a protocol", () => {
-  const info = { box: { width: 3, height: 0.5, periodic: true } };
+  const box = { width: 3, height: 0.5, periodic: true, shift: 0 };
   const radii = Float32Array.from([0.5, 0.25, 0.25]);
   const hint = (preparation: { fraction: number; what: string; stages: number; finished: number }, isPrepared: boolean): string =>
-    densityHint(info, { radii, isPrepared, preparation });
+    densityHint({ box, radii, isPrepared, preparation });
   expect(hint({ fraction: 0.5, what: "quench", stages: 2, finished: 1 }, false)).toBe("Of the start. Now φ = 0.7854, in stage 2 of 2, quench.");
   expect(hint({ fraction: 1, what: "", stages: 2, finished: 2 }, true)).toBe("Of the start. Now φ = 0.7854, after the protocol.");
   expect(hint({ fraction: 1, what: "", stages: 0, finished: 0 }, true)).toBe("");

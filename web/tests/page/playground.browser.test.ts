@@ -548,6 +548,38 @@ describe("the look", () => {
     });
   });
 
+  test("a sheared packing has its stress against the strain, and sliders of its stages that change it", { timeout: 180_000 }, async () => {
+    await withPlayground("#scene=shear", async ({ page, user }) => {
+      const side = page.getByRole("complementary", { name: "Charts" });
+      const start = await user.hash();
+      const end = async (): Promise<string> => {
+        await user.press("Run");
+        await side.locator("dt", { hasText: "First at γ" }).waitFor({ timeout: 90_000 });
+        return user.hash();
+      };
+      const first = await end();
+      expect(first).not.toBe(start);
+      expect(await side.locator(".chart:visible h3").allInnerTexts()).toEqual(expect.arrayContaining(["Stress against strain", "Pressure under shear"]));
+      const points = await page.getByRole("figure", { name: /^Stress against strain: / }).locator("canvas").evaluate((canvas: HTMLCanvasElement) => {
+        const { data } = (canvas.getContext("2d") as CanvasRenderingContext2D).getImageData(0, 0, canvas.width, canvas.height);
+        // Blue, the colour of the curve; axes and text are grey.
+        return data.filter((value, i) => i % 4 === 2 && value > (data[i - 2] as number) + 60).length;
+      });
+      expect(points).toBeGreaterThan(300);
+      expect(await side.locator("dt", { hasText: "Strain γ" }).locator("+ dd").innerText()).toBe("0.2");
+      await user.setNumber("Shear to strain γ", 0.05);
+      await user.opened();
+      const shorter = await end();
+      expect(await side.locator("dt", { hasText: "Strain γ" }).locator("+ dd").innerText()).toBe("0.05");
+      await user.setNumber("Quench at φ", 0.9);
+      await user.opened();
+      expect(await page.getByRole("spinbutton", { name: "Shear to strain γ" }).inputValue()).toBe("0.05");
+      const denser = await end();
+      expect(new Set([first, shorter, denser]).size).toBe(3);
+      expect((await side.getByRole("row", { name: "1 quench" }).locator("td").allInnerTexts())[0]).toBe("0.9");
+    });
+  });
+
   test("the wheel, dragging, the keyboard and a double click move the picture", async () => {
     await withPlayground("#scene=paper", async ({ page }) => {
       const picture = page.locator(".picture canvas").last();

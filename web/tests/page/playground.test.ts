@@ -6,8 +6,9 @@ import { describe, expect, test } from "vitest";
 import { chartsFor, valuesOf } from "../../src/charts/run_charts.ts";
 import { numberText, Series } from "../../src/charts/series.ts";
 import type { SettingDescription } from "../../src/engine/gridlock.ts";
-import { mainKeys, placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
+import { mainKeys, nameOf, placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
 import { canBeFixed, shareOfFixed, SPECIES, withShareOfFixed } from "../../src/playground/fixed_share.ts";
+import { stageKeys, withStageValue } from "../../src/playground/stage_settings.ts";
 import { GUIDES, namesIn } from "../../src/playground/guides.ts";
 import { rowOf } from "../../src/playground/inspector.ts";
 import { decodeLink, encodeLink } from "../../src/playground/link.ts";
@@ -136,6 +137,39 @@ describe("controls", () => {
     const setup = new Setup("x = 1").with("disks.count", "100").with("run.seed", "2").with("disks.count", "50");
     expect(setup.overrides).toEqual(["disks.count=50", "run.seed=2"]);
     expect(new Setup("x = 1").isChanged).toBe(false);
+  });
+});
+
+describe("the stages of a protocol", () => {
+  const described = ["stage", "packing_fraction", "deformation", "until_strain", "cycles"].map((name) => ({
+    key: `protocol[].${name}`,
+    table: "protocol[]",
+    default: name === "deformation" ? "simple_shear" : null,
+  })) as unknown as SettingDescription[];
+  const values = {
+    protocol: 3,
+    "protocol[0].stage": "quench",
+    "protocol[0].packing_fraction": 0.86,
+    "protocol[0].deformation": "simple_shear",
+    "protocol[0].until_strain": null,
+    "protocol[1].stage": "quench",
+    "protocol[1].packing_fraction": null,
+    "protocol[2].stage": "shear",
+    "protocol[2].until_strain": 0.2,
+    "protocol[2].deformation": "pure_shear",
+    "protocol[2].cycles": 3,
+  };
+
+  test("have a slider for the packing fraction of the first quench and the strain of the first shear", () => {
+    expect(stageKeys(values)).toEqual(["protocol[0].packing_fraction", "protocol[2].until_strain"]);
+    expect(stageKeys({})).toEqual([]);
+    expect(["protocol[0].packing_fraction", "protocol[2].until_strain"].map(nameOf)).toEqual(["Quench at φ", "Shear to strain γ"]);
+  });
+
+  test("are written anew with one value changed and all others as they are", () => {
+    expect(withStageValue(described, values, "protocol[2].until_strain", 0.05)).toBe(
+      '[{ stage = "quench", packing_fraction = 0.86 }, { stage = "quench" }, { stage = "shear", deformation = "pure_shear", until_strain = 0.05, cycles = 3 }]',
+    );
   });
 });
 

@@ -26,6 +26,16 @@ test("Displacements without images take the shortest, and agents that were not t
   expect(values[1]).toBeNaN();
 });
 
+test("Displacements in an oblique box lean across its lower and upper edge, with images and without", () => {
+  const oblique = (columns: SourceFrame["columns"]): SourceFrame => ({ ...frame([1], columns), box: { width: 2, height: 1, periodic: true, shift: 0.5 } });
+  const at = (x: number, y: number): SourceFrame["columns"] => ({ x: new Float64Array([x]), y: new Float64Array([y]) });
+  const images = (x: number, y: number): SourceFrame["columns"] => ({ image_x: new Int32Array([x]), image_y: new Int32Array([y]) });
+  // From (0.1, 0.9) to (1.9 − 2 + 0.5, 0.1 + 1) = (0.4, 1.1).
+  expect(displacements(oblique(at(1.9, 0.1)), oblique(at(0.1, 0.9)))[0]).toBeCloseTo(Math.hypot(0.3, 0.2));
+  const first = oblique({ ...at(0.1, 0.9), ...images(0, 0) });
+  expect(displacements(oblique({ ...at(1.9, 0.1), ...images(-1, 1) }), first)[0]).toBeCloseTo(Math.hypot(0.3, 0.2));
+});
+
 test("Colours are those that the columns allow, and a bar covers all that was shown", () => {
   const columns = { x: new Float64Array([0, 1]), y: new Float64Array([0, 0]), velocity_x: new Float64Array([3, 0]), velocity_y: new Float64Array([4, 1]), species: new Uint32Array([0, 2]) };
   expect(coloursOf(Object.keys(columns), 2).map((one) => one.value)).toEqual(["plain", "displacement", "psi6", "speed", "direction", "velocity_x", "velocity_y", "species"]);
@@ -53,6 +63,15 @@ test("The sixfold order is one in a triangular lattice, whatever edges it crosse
     box: { width: across, height: up * height, periodic: true },
   };
   for (const value of localBondOrientationOrders(triangular)) expect(value).toBeCloseTo(1, 6);
+  // Seven rows end half a spacing farther to the right than they begin.
+  const seven = rows.slice(0, 7 * across);
+  const oblique: SourceFrame = {
+    ...frame(seven, { x: (triangular.columns["x"] as Float64Array).slice(0, seven.length), y: (triangular.columns["y"] as Float64Array).slice(0, seven.length) }),
+    box: { width: across, height: 7 * height, periodic: true, shift: 0.5 },
+  };
+  for (const shift of [0.5, -5.5]) {
+    for (const value of localBondOrientationOrders({ ...oblique, box: { ...oblique.box, shift } })) expect(value).toBeCloseTo(1, 6);
+  }
   const square: SourceFrame = {
     ...frame(rows, { x: Float64Array.from(rows, (row) => row % across), y: Float64Array.from(rows, (row) => Math.floor(row / across)) }),
     box: { width: across, height: up, periodic: true },

@@ -210,11 +210,31 @@ describe("A trajectory of another program", () => {
     }
   });
 
-  test("in a sheared box is refused", async () => {
-    write(place.of("sheared.h5"), (file) => {
-      file.create_dataset({ name: "particles/all/position/value", ...positions });
-      file.create_dataset({ name: "particles/all/box/edges", data: new Float64Array([2, 0.5, 0, 0, 3, 0, 0, 0, 1]), shape: [3, 3] });
-    });
-    await expect(opened(place.of("sheared.h5")).frame(0)).rejects.toThrow("its box is sheared");
+  test("in an oblique box is folded to the left across the upper edge, and its shift is at most half a width", async () => {
+    // (0.25, 3.5) is the image of (0.25 − shift, 0.5).
+    for (const [xy, shift, x] of [[0.5, 0.5, 1.75], [1.5, -0.5, 0.75], [-2.25, -0.25, 0.5]] as const) {
+      const path = place.of(`oblique${xy}.h5`);
+      write(path, (file) => {
+        const box = file.get("particles/all/box") as never as { create_attribute(name: string, data: unknown): void };
+        box.create_attribute("boundary", ["periodic", "periodic", "none"]);
+        file.create_dataset({ name: "particles/all/position/value", data: new Float64Array([0.25, 3.5, 0]), shape: [1, 1, 3] });
+        file.create_dataset({ name: "particles/all/position/step", data: new Int32Array([70]), shape: [1] });
+        file.create_dataset({ name: "particles/all/box/edges", data: new Float64Array([2, 0, 0, xy, 3, 0, 0, 0, 1]), shape: [3, 3] });
+      });
+      const { box, columns } = await opened(path).frame(0);
+      expect(box).toEqual({ width: 2, height: 3, periodic: true, shift });
+      expect([columns["x"]?.[0], columns["y"]?.[0]]).toEqual([x, 0.5]);
+    }
+  });
+
+  test("in an oblique box with walls is refused, and in one whose first edge is not along x", async () => {
+    const edges: [string, number[], string][] = [["walls", [2, 0, 0, 0.5, 3, 0, 0, 0, 1], "its box is oblique and has walls"], ["turned", [2, 0.5, 0, 0, 3, 0, 0, 0, 1], "the first edge of its box is (2, 0.5)"]];
+    for (const [name, data, message] of edges) {
+      write(place.of(`${name}.h5`), (file) => {
+        file.create_dataset({ name: "particles/all/position/value", ...positions });
+        file.create_dataset({ name: "particles/all/box/edges", data: new Float64Array(data), shape: [3, 3] });
+      });
+      await expect(opened(place.of(`${name}.h5`)).frame(0)).rejects.toThrow(message);
+    }
   });
 });

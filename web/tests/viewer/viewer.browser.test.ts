@@ -353,6 +353,20 @@ until_pressure = 1e-4
     expect(Number(said.split(" ")[0])).toBeCloseTo((jamming as { value: number }).value, 4);
     expect(await side.getByText("There are no quantities against time").isVisible()).toBe(false);
   });
+
+  test("that was sheared shows its stress against the strain, and its last state in an oblique box", async () => {
+    place.run(readFileSync(join(import.meta.dirname, "../../../scenes/shear.toml"), "utf8"), "sheared");
+    await page.goto(await place.view("sheared"));
+    const side = page.locator(".viewer").getByRole("complementary", { name: "Charts" });
+    await side.getByText("First at γ").waitFor();
+    expect((await side.locator(".chart:visible h3").allInnerTexts()).slice(0, 2)).toEqual(["Stress against strain", "Pressure under shear"]);
+    const { shear_stress: stress } = JSON.parse(readFileSync(place.of("sheared/summary.json"), "utf8")) as Record<string, { value: number }>;
+    const said = await side.getByRole("figure", { name: /^Stress against strain: / }).getAttribute("aria-label");
+    expect(Number(said?.split(" ").at(-1))).toBeCloseTo((stress as { value: number }).value, 6);
+    const box = await page.evaluate(() =>
+      (globalThis as unknown as { gridlockViewer: { drawing: { frame: { box: unknown } } } }).gridlockViewer.drawing.frame.box);
+    expect(box).toEqual({ width: 1, height: 1, periodic: true, shift: 0.2 });
+  });
 });
 
 describe("A run that is written", () => {

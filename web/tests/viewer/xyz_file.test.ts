@@ -68,6 +68,19 @@ describe("Extended XYZ", () => {
     expect([frame.columns["x"], frame.columns["y"]].map((values) => (values as ArrayLike<number>)[0])).toEqual([-1, 2]);
   });
 
+  test("in an oblique box is folded to the left across the upper edge, and its shift is at most half a width", async () => {
+    const row = "Properties=pos:R:2:image_x:I:1:image_y:I:1\n0.25 3.5 0 1\n";
+    const of = async (xy: number): Promise<unknown> => {
+      const { box, columns } = await (await open(`1\nLattice="2 0 0 ${xy} 3 0 0 0 1" pbc="T T F" ${row}`)).frame(0);
+      return [box, ...["x", "y", "image_x"].map((name) => columns[name]?.[0])];
+    };
+    const box = { width: 2, height: 3, periodic: true };
+    expect(await of(0.5)).toEqual([{ ...box, shift: 0.5 }, 1.75, 0.5, 0]);
+    // The image one box above is 1.5 = 2 − 0.5 farther to the right: an edge of x more in a box that leans by −0.5.
+    expect(await of(1.5)).toEqual([{ ...box, shift: -0.5 }, 0.75, 0.5, 1]);
+    expect(await of(0)).toEqual([box, 0.25, 0.5, 0]);
+  });
+
   test("has the names of other programs, and words in their order", async () => {
     const frame = await (await open("2\nProperties=masses:R:1:momenta:R:3:pos:R:2:diameter:R:1:tag:S:1:on:L:1\n2 3 -1 0 1 2 0.5 b T\n4 2 2 0 3 4 1 a F\n")).frame(0);
     const of = (name: string): number[] => Array.from(frame.columns[name] as ArrayLike<number>);
