@@ -16,7 +16,7 @@ interface Range {
 }
 
 /** What one drags by hand, of disks of any model that has them. */
-const DISK_KEYS = ["disks.packing_fraction", "disks.count", "disks.start", "velocities.max"];
+const DISK_KEYS = ["disks.count", "disks.start", "velocities.max"];
 const ENGINE_KEYS = ["engine.kind", "engine.time_step", "engine.contact"];
 /** Whether there is a bath, and what its kind needs. */
 const THERMOSTAT_KEYS: Readonly<Record<string, readonly string[]>> = {
@@ -78,7 +78,9 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
   const model = String(values["model.kind"] ?? "disks");
   const known = new Set(settings.map((setting) => setting.key));
   const ofModel = settings.filter((setting) => setting.table === model && isSimple(setting)).map((setting) => setting.key);
-  return [...new Set([...(model === "disks" ? [...DISK_KEYS, ...stageKeys(values), ...keysOfEngine(values)] : ofModel), ...COMMON_KEYS])].filter((key) =>
+  // Disks have a radius or a packing fraction: the other follows.
+  const size = typeof values["disks.radius"] === "number" ? "disks.radius" : "disks.packing_fraction";
+  return [...new Set([...(model === "disks" ? [size, ...DISK_KEYS, ...stageKeys(values), ...keysOfEngine(values)] : ofModel), ...COMMON_KEYS])].filter((key) =>
     known.has(describedKey(key)),
   );
 }

@@ -91,14 +91,14 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     ask: "Which of the two packings is stiffer, and which slips first? Does another *Seed* slip at the same strain?",
   },
   soft: {
-    act: "Press *Run*. Then set *Packing fraction φ* to 0.3, and to 0.9.",
-    see: "The chart *Mean displacement*: soft disks in a bath are held by their neighbours where they overlap, and wander off where they do not.",
+    act: "Move *Rate* to its right end and press *Run*. Then set *Number of disks N* to 400, which is φ = 0.36.",
+    see: "The chart *Mean displacement*: where soft disks overlap, their neighbours hold them and the curve flattens; where they have room, it keeps growing.",
     ask: "Hard disks cannot be denser than about 0.91. What do soft disks pay for being denser still?",
   },
   soft_liquid: {
-    act: "Press *Run* and wait for drops to form. Then set *Temperature kT* to 1.",
-    see: "Disks that attract each other gather into a liquid and leave empty space behind. In a hot bath they spread through the whole box.",
-    ask: "Why do holes shrink although nothing pulls at their rim from inside? At which temperature is there no liquid any more?",
+    act: "Move *Rate* to its right end, set *Number of disks N* to 500 and *Temperature kT* to 0.4, and press *Run*. When there are drops, set *Temperature kT* to 1.",
+    see: "In a cold bath disks that attract each other gather in drops, which merge where they touch. In a hot bath they spread through the whole box.",
+    ask: "With all 1000 disks, are there drops or holes? At which temperature is there no liquid any more?",
   },
   turn_order: {
     act: "Run to the end with the *Engine* stepped, then with tiled. Set *Packing fraction φ* to 0.7 and compare again.",

@@ -385,7 +385,7 @@ export class Playground {
     this.draw();
     this.transport.show(frame, info.agentsName);
     this.showPreparation(frame);
-    this.controls?.setHint("disks.packing_fraction", densityHint(frame));
+    for (const key of ["disks.packing_fraction", "disks.radius"]) this.controls?.setHint(key, densityHint(frame));
     void this.packing.follow(this.engine, frame);
     this.showCharts(frame);
     if (this.inspector?.id !== null) void this.inspector?.refresh(info, frame);
