@@ -106,6 +106,11 @@ void require_known(EngineRecord const& engine, EngineSettings const& settings) {
                  .key = std::move(key)});
   };
   require_thermostat(engine, settings.thermostat);
+  if (settings.flow.exists() && !engine.has_oblique_boxes) {
+    throw Error({.what = fmt::format("the engine \"{}\" has no flow", engine.name),
+                 .hint = "use engine.kind = \"soft\", or leave [flow] out",
+                 .key = "flow.shear_rate"});
+  }
   if (engine.has_free_flight) return;
   if (settings.collisions.lose_energy()) {
     refuse("collisions that lose energy", "collisions.restitution = 1", "collisions.restitution");
@@ -130,7 +135,7 @@ std::vector<std::string> engine_kinds() {
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
   require_known(record, settings);
-  require_rectangle(state.box, fmt::format("the engine \"{}\"", record.name));
+  if (!record.has_oblique_boxes) require_rectangle(state.box, fmt::format("the engine \"{}\"", record.name));
   return record.make(settings, state);
 }
 

@@ -37,6 +37,29 @@ void require_periodic(Box const& box) {
                .key = "box.edge"});
 }
 
+/// Errors: Error for a flow that fixed disks or swimmers would have to follow, or that carries disks too far in a step.
+void require_flow(EngineSettings const& settings, State const& state) {
+  if (!settings.flow.exists()) return;
+  auto const refuse = [](std::string what, std::string hint, char const* key) {
+    throw Error({.what = std::move(what), .hint = std::move(hint), .key = key});
+  };
+  if (std::size_t const fixed = count_of_fixed(state.agents); fixed > 0) {
+    refuse(fmt::format("{} disks are fixed, and the flow would carry them along", fixed),
+           "leave [flow] out, or let all species move", "flow.shear_rate");
+  }
+  if (settings.propulsion.is_on()) {
+    refuse("disks propel themselves, and the flow would turn their headings, which the engine \"soft\" does not know",
+           "use propulsion.speed = 0 in a flow", "propulsion.speed");
+  }
+  double const way = std::abs(settings.flow.shear_rate) * state.box.height() * step_duration(settings, state);
+  double const longest = 0.25 * state.box.width();
+  if (way <= longest) return;
+  refuse(fmt::format("the flow carries disks as far as {:.3g} in one time step, more than a quarter of the width {:.6g}",
+                     way, state.box.width()),
+         fmt::format("use a shorter engine.time_step, such as {:.1g}", 0.5 * settings.time_step * longest / way),
+         "flow.shear_rate");
+}
+
 void require_mobile_swimmers(EngineSettings const& settings, State const& state) {
   std::size_t const fixed = count_of_fixed(state.agents);
   if (!settings.propulsion.is_on() || fixed == 0) return;
@@ -84,6 +107,7 @@ void require_soft_start(EngineSettings const& settings, State const& state) {
   require_periodic(state.box);
   validate(state, {.overlap = std::numeric_limits<double>::infinity()});
   require_mobile_swimmers(settings, state);
+  require_flow(settings, state);
   static_cast<void>(soft::list_reach(settings.potential, state.box, radius_range(state.agents)));
   require_small_overlaps(settings.potential, state);
 }
@@ -100,6 +124,7 @@ EngineRecord soft_record() {
           .documentation = "lets disks repel or attract each other by a [potential]",
           .uses_threads = true,
           .has_potential = true,
+          .has_oblique_boxes = true,
           .bytes_per_disk = 480.0,
           .bytes_per_disk_of_checkpoint = 19.0,
           .unused_because_of = unused_in_soft,
@@ -141,6 +166,7 @@ void SoftEngine::advance(State& state, Counters& counters, StopCondition const& 
     counters = counters_before;
     throw;
   }
+  state.box = system.box();
   system.disks().write_back(state);
 }
 

@@ -47,10 +47,10 @@ void describe(ThermostatSettings& settings, SettingVisitor& visitor) {
       kinds, settings.kind);
   visitor.visit({.key = "temperature",
                  .unit = "energy",
-                 .documentation = "kT of the bath: each component of a Maxwell velocity has the variance kT/m.",
+                 .documentation = "kT of the bath: each component of a Maxwell velocity has the variance kT/m; 0 is "
+                                  "friction without noise, for langevin and overdamped.",
                  .min = 0.0,
                  .max = max_magnitude,
-                 .min_is_allowed = false,
                  .default_note = "the mean kinetic energy of a disk at the start"},
                 settings.temperature);
   visitor.visit(
@@ -96,7 +96,19 @@ ThermostatSettings resolved(ThermostatSettings const& settings, State const& sta
                  .key = "thermostat.kind"});
   }
   if (!full.temperature) full.temperature = kinetic_energy(disks) / static_cast<double>(moving);
-  if (!(*full.temperature > 0.0)) {
+  bool const is_cold = settings.temperature == 0.0 && full.has_friction();
+  if (is_cold && !full.friction) {
+    throw Error({.what = "a bath of temperature 0 has no friction of its own",
+                 .hint = "give thermostat.friction",
+                 .key = "thermostat.friction"});
+  }
+  if (settings.temperature == 0.0 && !is_cold) {
+    throw Error({.what = fmt::format("a bath of temperature 0 stops all disks with thermostat.kind = \"{}\"",
+                                     to_text(settings.kind)),
+                 .hint = "use a temperature above 0; langevin and overdamped know friction without noise",
+                 .key = "thermostat.temperature"});
+  }
+  if (!(*full.temperature > 0.0) && !is_cold) {
     throw Error({.what = "the disks rest at the start, so the temperature of the thermostat is not known",
                  .hint = "give thermostat.temperature, or velocities.max above 0",
                  .key = "thermostat.temperature"});

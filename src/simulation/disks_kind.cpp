@@ -197,6 +197,8 @@ class DisksKind final : public ModelKind {
          [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }},
         {"potential", "How the disks of the engine soft repel or attract each other.",
          [&](SettingVisitor& visitor) { describe(configuration.engine.potential, visitor); }},
+        {"flow", "Whether a steady flow shears the disks of the engine soft.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.flow, visitor); }},
         {"thermostat", "Whether the disks of the engines exact and soft exchange energy with a bath, as colloids do.",
          [&](SettingVisitor& visitor) { describe(configuration.engine.thermostat, visitor); }},
         {"collisions", "Whether collisions of the engine exact lose energy, as those of grains do.",

@@ -195,11 +195,14 @@ inline std::vector<Scene> scenes_of_soft_disks() {
                          scene("soft_liquid", equal, PairPotential::lennard_jones, 0.004),
                          scene("soft_langevin", mixture, PairPotential::wca, 0.004),
                          scene("soft_overdamped", mixture, PairPotential::wca, 0.001),
-                         scene("soft_active", equal, PairPotential::wca, 0.001)};
+                         scene("soft_active", equal, PairPotential::wca, 0.001),
+                         scene("soft_flow", mixture, PairPotential::wca, 0.004)};
   all[4].engine.thermostat = bath(ThermostatKind::langevin, 5.0);
   all[5].engine.thermostat = bath(ThermostatKind::overdamped, 100.0);
   all[6].engine.thermostat = bath(ThermostatKind::overdamped, 100.0);
   all[6].engine.propulsion = {.speed = 1.0, .rotational_diffusion = 5.0};
+  all[7].engine.thermostat = bath(ThermostatKind::langevin, 5.0);
+  all[7].engine.flow = {.shear_rate = 10.0};
   return all;
 }
 

@@ -14,6 +14,7 @@
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/simulate.hpp"
+#include "observe/stress.hpp"
 #include "reference/mean_and_error.hpp"
 
 namespace gridlock {
@@ -230,6 +231,102 @@ double result_of(RunResult const& run, std::string const& name) {
   }
   ADD_FAILURE() << name;
   return 0.0;
+}
+
+TEST(FreeSoftDisks, InAFlowSpreadAlongItWithTheCubeOfTime) {
+  // ⟨(x − x₀ − γ̇ y₀ t)²⟩ = 2 D t (1 + γ̇² t²/3), D = kT/(m γ) = 0.25.
+  double const rate = 1.5;
+  double const time = 2.0;
+  State const start = make_start(Box(2000.0, 2000.0, Edge::periodic),
+                                 {.count = 4000, .packing_fraction = {}, .radius = 0.5, .start = StartKind::square}, 5);
+  State state = start;
+  EngineSettings const settings{
+      .kind = "soft",
+      .time_step = 0.01,
+      .threads = 2,
+      .thermostat = {.kind = ThermostatKind::overdamped, .temperature = 0.5, .friction = 2.0},
+      .flow = {.shear_rate = rate}};
+  Counters counters;
+  make_engine(settings, state)->advance(state, counters, {.step = 200});
+  std::vector<double> along, across;
+  for (std::size_t i = 0; i < start.agents.size(); ++i) {
+    Vector const from = position(start.agents, i);
+    Vector const to =
+        position(state.agents, i) +
+        state.box.offset_of_image(state.agents.column<ImageX>()[i], state.agents.column<ImageY>()[i]);
+    along.push_back(std::pow(to.x - from.x - rate * from.y * time, 2));
+    across.push_back(std::pow(to.y - from.y, 2));
+  }
+  auto const x = reference::mean_of(along);
+  auto const y = reference::mean_of(across);
+  EXPECT_NEAR(x.value, 2.0 * 0.25 * time * (1.0 + rate * rate * time * time / 3.0), 4.0 * x.error);
+  EXPECT_NEAR(y.value, 2.0 * 0.25 * time, 4.0 * y.error);
+}
+
+struct SteadyFlow {
+  double packing_fraction;
+  double shear_rate;
+  double stress;
+  double stress_error;
+  double pressure;
+  double pressure_error;
+};
+
+/// Computed once by an independent program: 256 harmonic disks, 1 : 1.4, with Durian's drag against the flow, kT = 0.
+/// Errors are those of the blocks of one run, twice.
+std::vector<SteadyFlow> steady_flows() {
+  return {{0.82, 1e-3, 1.189e-3, 2.8e-5, 4.20e-3, 6e-5},
+          {0.8435, 1e-3, 1.894e-3, 5e-5, 8.08e-3, 1.6e-4},
+          {0.86, 1e-3, 2.51e-3, 8e-5, 1.185e-2, 2.8e-4}};
+}
+
+TEST(SoftFlow, HasTheStressOfAnIndependentProgram) {
+  double last = 0.0;
+  for (SteadyFlow const& of : steady_flows()) {
+    double const side = std::sqrt(128.0 * 0.25 * std::numbers::pi * 2.96 / of.packing_fraction);
+    DisksSettings disks{.count = 256, .packing_fraction = {}, .radius = 0.5, .start = StartKind::uniform};
+    disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4}};
+    State state = make_start(Box(side, side, Edge::periodic), disks, 1);
+    std::ranges::fill(state.agents.column<VelocityX>(), 0.0);
+    std::ranges::fill(state.agents.column<VelocityY>(), 0.0);
+    EngineSettings const settings{
+        .kind = "soft",
+        .time_step = 0.2,
+        .threads = 1,
+        .thermostat = {.kind = ThermostatKind::overdamped, .temperature = 0.0, .friction = 1.0},
+        .flow = {.shear_rate = of.shear_rate}};
+    auto const engine = make_engine(settings, state);
+    Counters counters;
+    engine->advance(state, counters, {.step = 10'000});
+    DynamicsTraits const traits{.keeps_counters = false,
+                                .halts_moves = false,
+                                .has_impulses = false,
+                                .potential = settings.potential,
+                                .thermostat = settings.thermostat};
+    Stress stress(traits);
+    std::vector<double> row(5);
+    stress.begin(Snapshot(state, counters));
+    std::vector<double> shear, pressure;
+    for (int block = 0; block < 20; ++block) {
+      double sum_of_stress = 0.0;
+      double sum_of_pressure = 0.0;
+      constexpr int samples = 40;
+      for (int k = 0; k < samples; ++k) {
+        engine->advance(state, counters, {.step = state.clock.step + 50});
+        stress.sample(Snapshot(state, counters), row, false);
+        sum_of_pressure += row[1] / samples;
+        sum_of_stress += row[3] / samples;
+      }
+      shear.push_back(sum_of_stress);
+      pressure.push_back(sum_of_pressure);
+    }
+    auto const xy = reference::mean_of(shear);
+    auto const p = reference::mean_of(pressure);
+    EXPECT_NEAR(xy.value, of.stress, 4.0 * std::hypot(xy.error, of.stress_error)) << of.packing_fraction;
+    EXPECT_NEAR(p.value, of.pressure, 4.0 * std::hypot(p.error, of.pressure_error)) << of.packing_fraction;
+    EXPECT_GT(xy.value, last);
+    last = xy.value;
+  }
 }
 
 TEST(SoftSwimmers, AreSlowedDownByOthersAndPushThem) {

@@ -30,6 +30,7 @@
 #include "gridlock/core/frame_source.hpp"
 #include "gridlock/core/pair_potential.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/engine/flow.hpp"
 #include "gridlock/engine/grains.hpp"
 #include "gridlock/engine/propulsion.hpp"
 #include "gridlock/engine/thermostat.hpp"
@@ -125,6 +126,7 @@ struct EngineSettings {
   std::vector<WallSettings> walls = {};  ///< the walls inside the box, `[[walls]]`
   PropulsionSettings propulsion = {};    ///< the settings `[propulsion]`
   PotentialSettings potential = {};      ///< soft: the settings `[potential]`
+  FlowSettings flow = {};                ///< soft: the settings `[flow]`
   AllProcesses processes = {};           ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
@@ -150,6 +152,7 @@ struct EngineRecord {
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
   bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
   bool has_potential = false;                 ///< whether disks are soft: they may overlap, and nothing collides
+  bool has_oblique_boxes = false;             ///< whether the box may have a tilt, which a flow changes
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint
@@ -172,7 +175,7 @@ std::span<EngineRecord const> engine_records();
 /// Returns the record of the engine named `kind`. Errors: Error for the setting "engine.kind" if there is none.
 EngineRecord const& engine_record(std::string_view kind);
 
-/// Errors: Error for a thermostat, a loss of energy, gravity or self-propulsion that the engine does not know.
+/// Errors: Error for a thermostat, a loss of energy, gravity, self-propulsion or a flow that the engine does not know.
 void require_known(EngineRecord const& engine, EngineSettings const& settings);
 
 /// Makes the engine named by settings.kind for a valid state.

@@ -7,7 +7,7 @@
 
 namespace gridlock::soft {
 
-/// Looks every thousand steps whether the energy stays the same where it should, without a thermostat.
+/// Looks every thousand steps whether the energy stays the same where it should, without a thermostat and a flow.
 class EnergyGuard {
  public:
   /// Errors of the energy above this share of the kinetic energy fail.
@@ -31,7 +31,9 @@ class EnergyGuard {
   }
 
  private:
-  [[nodiscard]] bool is_on() const { return settings_.thermostat.kind == ThermostatKind::none; }
+  [[nodiscard]] bool is_on() const {
+    return settings_.thermostat.kind == ThermostatKind::none && !settings_.flow.exists();
+  }
   static double energy_of(System const& system) { return system.kinetic_energy() + system.potential_energy(); }
   [[noreturn]] void throw_change(std::uint64_t step, double change, double kinetic) const;
 

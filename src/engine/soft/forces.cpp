@@ -15,6 +15,7 @@ ForceRule force_rule(PotentialSettings const& potential, Box const& box, RadiusR
           .constants = constants,
           .period_x = box.width(),
           .period_y = box.height(),
+          .shift = box.shift(),
           .sigma = radii.smallest == radii.largest ? smallest_sigma : 0.0,
           .rounding = unit * 0x1.8p52,
           .max_push = unit * 0x1p46 / (constants.cutoff * largest_sigma)};

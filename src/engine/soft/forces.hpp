@@ -16,6 +16,7 @@ struct ForceRule {
   PairConstants constants;
   double period_x;
   double period_y;
+  double shift;  ///< along x of the image above, in an oblique box
   /// Contact distance of all disks if their radii are equal; else 0.
   double sigma;
   /// Forces of pairs are rounded to a multiple of a common power of two by adding this number and taking it away again.

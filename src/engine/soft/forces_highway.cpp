@@ -69,6 +69,9 @@ struct Sum {
       Vec x = hn::Sub(own_x, others.x);
       Vec y = hn::Sub(own_y, others.y);
       if constexpr (is_at_edge) {
+        Vec const shift = hn::Set(tag, rule.shift);
+        x = hn::Sub(x, hn::IfThenElseZero(hn::Gt(y, hn::Set(tag, 0.5 * rule.period_y)), shift));
+        x = hn::Add(x, hn::IfThenElseZero(hn::Lt(y, hn::Set(tag, -0.5 * rule.period_y)), shift));
         x = nearest_image(x, rule.period_x);
         y = nearest_image(y, rule.period_y);
       }
@@ -142,7 +145,7 @@ namespace {
 
 double compute_plain(ForceRule const& rule, Band const& band, Disks& disks) {
   PairLaw const law(rule.potential);
-  Box const box(rule.period_x, rule.period_y, Edge::periodic);
+  Box const box = Box(rule.period_x, rule.period_y, Edge::periodic).shifted(rule.shift);
   bool const has_limit = !is_bounded(rule.potential.kind);
   auto const rounded = [&](double force) { return (force + rule.rounding) - rule.rounding; };
   double largest_push = 0.0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "grid/oblique_lists.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_list.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
@@ -66,6 +67,7 @@ class ListMaker {
   }
 
   [[nodiscard]] bool is_near_edge(Vector p) const {
+    if (reach_.flows) return true;
     double const margin = range_ + reach_.skin;
     return p.x < margin || p.x > box_.width() - margin || p.y < margin || p.y > box_.height() - margin;
   }
@@ -78,6 +80,32 @@ class ListMaker {
   double squared_range_;
 };
 
+/// Makes the lists of disks in an oblique box, for each band its rows up to the next of `first_rows`.
+std::vector<Band> lists_in_oblique(Box const& box, ListReach const& reach, Disks const& disks,
+                                   std::vector<std::size_t> const& first_rows, std::uint64_t threads) {
+  std::vector<double> radius(disks.size());
+  for (std::size_t row = 0; row < disks.size(); ++row) radius[row] = disks.identities[row].radius;
+  PointsInMemory const centres{
+      .x = &disks.places.data()->x, .y = &disks.places.data()->y, .count = disks.size(), .stride = 2};
+  NeighbourLists const lists =
+      lists_of(find_pairs_of_disks(box, {.factor = reach.cutoff, .gap = reach.skin}, centres, radius, threads),
+               disks.size());
+  std::vector<Band> bands(first_rows.size() - 1);
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    Band& band = bands[b];
+    band = {.first = first_rows[b], .end = first_rows[b + 1], .begin = {0}, .entries = {}, .is_at_edge = {}};
+    for (std::size_t row = band.first; row < band.end; ++row) {
+      for (std::uint64_t n = lists.begin[row]; n < lists.begin[row + 1]; ++n) band.entries.push_back(lists.neighbours[n]);
+      while (band.entries.size() % entries_at_once != 0) {
+        band.entries.push_back(static_cast<std::uint32_t>(disks.size()));
+      }
+      band.begin.push_back(static_cast<std::uint32_t>(band.entries.size()));
+      band.is_at_edge.push_back(1);
+    }
+  }
+  return bands;
+}
+
 }  // namespace
 
 std::vector<Band> make_lists(Box const& box, ListReach const& reach, Disks& disks, ThreadPool& pool) {
@@ -89,6 +117,13 @@ std::vector<Band> make_lists(Box const& box, ListReach const& reach, Disks& disk
   disks.reorder(points.indices());
   for (std::size_t row = 0; row < disks.size(); ++row) disks.motions[row].listed_at = disks.places[row];
   std::vector<int> const ends = bands_of(points, pool);
+  if (box.is_oblique()) {
+    std::vector<std::size_t> first_rows;
+    for (int const row : ends) {
+      first_rows.push_back(points.first_of(static_cast<std::size_t>(row) * static_cast<std::size_t>(layout.columns())));
+    }
+    return lists_in_oblique(box, reach, disks, first_rows, pool.size());
+  }
   std::vector<Band> bands(ends.size() - 1);
   ListMaker const maker(box, reach, disks, points);
   pool.for_each(bands.size(), [&](std::size_t b) { bands[b] = maker.band(ends[b], ends[b + 1]); });

@@ -28,10 +28,11 @@ struct ListReach {
   double largest_sigma;  ///< largest contact distance
   double skin;           ///< entries are nearer than their cutoff plus this
   bool are_equal;        ///< whether all radii are equal
+  bool flows;            ///< whether a flow carries disks across edges while the lists are used
 };
 
 /// Sorts the disks by their cells and makes the lists of all neighbours of each disk. They are complete while no disk
-/// moves farther than half the skin.
+/// moves farther than half the skin, except by a flow.
 /// Contract: the cutoff and the skin together are at most half of the shortest period of the box.
 std::vector<Band> make_lists(Box const& box, ListReach const& reach, Disks& disks, ThreadPool& pool);
 

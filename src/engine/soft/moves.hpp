@@ -15,6 +15,8 @@ namespace gridlock::soft {
 /// newton:     velocity Verlet (Swope et al. 1982, doi:10.1063/1.442716)
 /// langevin:   BAOAB (Leimkuhler and Matthews 2013, doi:10.1093/amrx/abs010)
 /// overdamped: r += F dt/(mγ) + v₀ n dt + √(2 kT dt/(mγ)) ξ (Ermak and McCammon 1978, doi:10.1063/1.436761)
+///
+/// In a flow γ̇ y along x, velocities and friction are relative to the flow where the disk is.
 struct MoveRule {
   Box box;
   double duration;  ///< dt
@@ -24,6 +26,8 @@ struct MoveRule {
   double keep;         ///< e^(−γ dt), the part of a velocity that friction leaves
   std::uint64_t seed;
   HeadingRule heading;
+  double shear_rate;  ///< γ̇ of the flow
+  double strain;      ///< γ̇ times the time since the lists were made
 };
 /// Contract: a resolved thermostat.
 MoveRule move_rule(EngineSettings const& settings, State const& state);

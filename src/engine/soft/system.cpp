@@ -51,7 +51,8 @@ ListReach list_reach(PotentialSettings const& potential, Box const& box, RadiusR
   return {.cutoff = cutoff,
           .largest_sigma = sigma,
           .skin = std::min(usual_skin * 2.0 * radii.smallest, room),
-          .are_equal = radii.smallest == radii.largest};
+          .are_equal = radii.smallest == radii.largest,
+          .flows = false};
 }
 
 System::System(EngineSettings const& settings, State const& state, ThreadPool& pool, double skin)
@@ -65,6 +66,7 @@ System::System(EngineSettings const& settings, State const& state, ThreadPool& p
       kernel_(forces_for(target(), forces_)),
       disks_(state) {
   if (skin > 0.0) reach_.skin = std::min(skin * smallest_diameter_, reach_.skin);
+  reach_.flows = settings.flow.exists();
   prepare(moves_, disks_);
   list_again();
   compute_forces(state.clock.step);
@@ -78,7 +80,33 @@ Result System::for_bands(DoPart do_part) {
   return results[0];
 }
 
-void System::list_again() { bands_ = make_lists(box_, reach_, disks_, pool_); }
+void System::list_again() {
+  bands_ = make_lists(box_, reach_, disks_, pool_);
+  moves_.strain = 0.0;
+}
+
+void System::move_images() {
+  double const strain = moves_.shear_rate * moves_.duration;
+  double const shift = box_.shift() + strain * box_.height();
+  if (auto const widths = static_cast<std::int32_t>(box_.widths_in(shift)); widths != 0) {
+    // Images above begin again a width before, so that each disk keeps its displacement since the start.
+    for (std::size_t row = 0; row < disks_.size(); ++row) {
+      disks_.identities[row].image_x += widths * disks_.identities[row].image_y;
+    }
+  }
+  box_ = box_.shifted(shift);
+  moves_.box = box_;
+  moves_.strain += strain;
+  forces_.shift = box_.shift();
+}
+
+bool System::are_lists_old(double squared_drift) const {
+  // A shear by γ brings two disks nearer by at most γ/2 of their distance.
+  double const range = reach_.cutoff * reach_.largest_sigma + reach_.skin;
+  double const nearer = 0.5 * std::abs(moves_.strain) * range;
+  double const left = reach_.skin - nearer;
+  return !(left > 0.0) || 4.0 * squared_drift >= left * left;
+}
 
 void System::compute_forces(std::uint64_t step) {
   struct LargestPush {
@@ -91,12 +119,13 @@ void System::compute_forces(std::uint64_t step) {
 }
 
 void System::take_step(std::uint64_t step) {
+  if (moves_.shear_rate != 0.0) move_images();
   LongestWays const ways = for_bands<LongestWays>(
       [&](Band const& band, LongestWays& of_band) { of_band = move(moves_, step, band, disks_); });
   if (!(ways.squared_step <= (max_path * smallest_diameter_) * (max_path * smallest_diameter_))) {
     throw_long_step(step, ways);
   }
-  if (4.0 * ways.squared_drift >= reach_.skin * reach_.skin) list_again();
+  if (are_lists_old(ways.squared_drift)) list_again();
   compute_forces(step);
   pool_.for_each(bands_.size(), [&](std::size_t b) { end_step(moves_, bands_[b], disks_); });
 }

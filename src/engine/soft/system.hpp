@@ -30,6 +30,7 @@ class System {
 
   [[nodiscard]] double duration() const { return moves_.duration; }
   [[nodiscard]] Disks const& disks() const { return disks_; }
+  [[nodiscard]] Box const& box() const { return box_; }
   /// Returns the energy of all pairs.
   [[nodiscard]] double potential_energy() const;
   [[nodiscard]] double kinetic_energy() const;
@@ -39,6 +40,10 @@ class System {
   template <class Result, class DoPart>
   Result for_bands(DoPart do_part);
   void list_again();
+  /// Moves the images of the box with the flow for one time step.
+  void move_images();
+  /// Returns whether a pair that no list has may be nearer than the cutoff.
+  [[nodiscard]] bool are_lists_old(double squared_drift) const;
   void compute_forces(std::uint64_t step);
   [[noreturn]] void throw_long_step(std::uint64_t step, LongestWays const& ways) const;
   [[noreturn]] void throw_near_pair(std::uint64_t step) const;

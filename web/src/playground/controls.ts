@@ -45,6 +45,7 @@ const NAMES: Readonly<Record<string, string>> = {
   "thermostat.temperature": "Temperature kT",
   "thermostat.friction": "Friction γ",
   "potential.kind": "Potential",
+  "flow.shear_rate": "Shear rate γ̇",
   "collisions.restitution": "Restitution e",
   "gravity.y": "Gravity",
   "propulsion.speed": "Swim speed v₀",
@@ -67,6 +68,7 @@ const RANGES: Readonly<Record<string, Range>> = {
   "propulsion.rotational_diffusion": { least: 0, most: 1 },
   "engine.cells": { least: 1, most: 60, integer: true },
   "collisions.restitution": { least: 0.1, most: 1 },
+  "flow.shear_rate": { least: 0, most: 0.02 },
   "gravity.y": { least: -10, most: 10 },
   "run.seed": { least: 1, most: 100, integer: true },
   "protocol[].packing_fraction": { least: 0.7, most: 1.1 },
@@ -93,7 +95,9 @@ function keysOfEngine(values: Values): string[] {
   const kind = String(values["thermostat.kind"] ?? "none");
   if (values["engine.kind"] === "soft") {
     const ofPotential = ["potential.kind", ...(values["potential.kind"] === "inverse_power" ? ["potential.exponent"] : [])];
-    return ["engine.kind", "engine.time_step", ...ofPotential, ...(THERMOSTAT_KEYS[kind] ?? []), ...(kind === "overdamped" ? propulsion : [])];
+    const ofSwimmers = kind === "overdamped" && Number(values["flow.shear_rate"] ?? 0) === 0 ? propulsion : [];
+    const flow = swims ? [] : ["flow.shear_rate"];
+    return ["engine.kind", "engine.time_step", ...ofPotential, ...(THERMOSTAT_KEYS[kind] ?? []), ...flow, ...ofSwimmers];
   }
   // Under a rule with a time step all disks swim, or none.
   if (values["engine.kind"] !== "exact") return [...engine, ...propulsion, ...(swims ? [] : ofFixed)];

@@ -90,6 +90,11 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "The chart *Stress against strain*: where it rises the packing answers as a solid, where it drops at once some disks slip past others. Lines are forces, the thicker the stronger.",
     ask: "Which of the two packings is stiffer, and which slips first? Does another *Seed* slip at the same strain?",
   },
+  flow: {
+    act: "Press *Run* and watch a disk near the top and one near the bottom. Then set *Shear rate γ̇* to 0.01, and to 0.",
+    see: "Rows slide over each other, the upper ones faster. A disk that leaves at the top comes back below, each time farther along.",
+    ask: "Honey flows at any push, mayonnaise needs one that is strong enough. Which of the two are these disks, and how would the stress tell?",
+  },
   soft: {
     act: "Move *Rate* to its right end and press *Run*. Then set *Number of disks N* to 400, which is φ = 0.36.",
     see: "The chart *Mean displacement*: where soft disks overlap, their neighbours hold them and the curve flattens; where they have room, it keeps growing.",

@@ -117,6 +117,7 @@ const SOFT_DISKS: Readonly<Record<string, string>> = {
   soft_overdamped: SOFT_MIXTURE + bath("overdamped", 100) + 'engine.time_step = 0.001\npotential.kind = "wca"',
   soft_active:
     SOFT_EQUAL + bath("overdamped", 100) + 'engine.time_step = 0.001\npotential.kind = "wca"\n' + "propulsion = { speed = 1, rotational_diffusion = 5 }",
+  soft_flow: SOFT_MIXTURE + bath("langevin", 5) + 'engine.time_step = 0.004\npotential.kind = "wca"\nflow.shear_rate = 10',
 };
 
 const MODELS: Readonly<Record<string, string>> = {
