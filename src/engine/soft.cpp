@@ -54,10 +54,11 @@ void require_flow(EngineSettings const& settings, State const& state) {
   double const way = std::abs(settings.flow.shear_rate) * state.box.height() * step_duration(settings, state);
   double const longest = 0.25 * state.box.width();
   if (way <= longest) return;
-  refuse(fmt::format("the flow carries disks as far as {:.3g} in one time step, more than a quarter of the width {:.6g}",
-                     way, state.box.width()),
-         fmt::format("use a shorter engine.time_step, such as {:.1g}", 0.5 * settings.time_step * longest / way),
-         "flow.shear_rate");
+  refuse(
+      fmt::format("the flow carries disks as far as {:.3g} in one time step, more than a quarter of the width {:.6g}",
+                  way, state.box.width()),
+      fmt::format("use a shorter engine.time_step, such as {:.1g}", 0.5 * settings.time_step * longest / way),
+      "flow.shear_rate");
 }
 
 void require_mobile_swimmers(EngineSettings const& settings, State const& state) {

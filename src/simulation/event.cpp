@@ -15,10 +15,11 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 42> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 43> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
+                                                      "tilt_flipped",
                                                       "nothing_moves",
                                                       "thermostat",
                                                       "losing_energy",
@@ -160,6 +161,9 @@ std::string text_of_setup(Event const& event) {
       return fmt::format("{} of {} in {} lie{} beyond the end of the run at {} {:.6g}: no frame there",
                          of.count("beyond"), of.count("asked_for"), event.key, of.count("beyond") == 1 ? "s" : "",
                          of.word("unit"), of.number("end"));
+    case EventKind::tilt_flipped:
+      return fmt::format("box.tilt = {:.6g} has the images of a box with the tilt {:.6g}, which is used",
+                         of.number("given"), of.number("tilt"));
     case EventKind::nothing_moves:
       return event.key == "disks.file" ? "no disk of the start file has a velocity: nothing moves"
                                        : "velocities.max is 0: nothing moves";

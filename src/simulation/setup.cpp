@@ -20,6 +20,14 @@ namespace {
 
 constexpr std::uint64_t default_steps = 10'000;
 
+/// Returns a note on a tilt beyond half a width.
+std::optional<Event> flipped_tilt(BoxSettings const& settings) {
+  double const tilt = make_box(settings).tilt();
+  if (std::abs(tilt - settings.tilt) <= 1e-9 * (1.0 + std::abs(settings.tilt))) return std::nullopt;
+  return Event{
+      .kind = EventKind::tilt_flipped, .key = "box.tilt", .values = {{"given", settings.tilt}, {"tilt", tilt}}};
+}
+
 }  // namespace
 
 bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<Event>& notes) {
@@ -67,6 +75,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   }
   setup.configuration.kind().build(setup, options);
   options.processes.agree([&] { check_end(setup); });
+  if (auto note = flipped_tilt(box)) setup.notes.push_back(*std::move(note));
   std::ranges::move(frames_beyond_end(setup), std::back_inserter(setup.notes));
   return setup;
 }

@@ -21,7 +21,8 @@ from gridlock_studies.statistics import Estimate, Verdict
 TINY = dataclasses.replace(
     jam.quick(), name="tiny", quench_starts=((24, 6), (36, 4)), quench_densities=(0.7, 0.83, 0.9), decompressed_disks=36,
     decompressed_starts=3, large_disks=64, large_starts=1, fluid_densities=((0.4, 20.0), (0.7, 20.0)), fluid_disks=36, fluid_starts=2,
-    growth_rates=(5e-2,), growth_disks=36, growth_starts=2, equal_disks=36, equal_starts=2)
+    growth_rates=(5e-2,), growth_disks=36, growth_starts=2, equal_disks=36, equal_starts=2,
+    sheared_disks=36, sheared_starts=2, sheared_strain=0.6, flow_disks=36, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=0.5)
 
 
 def rows_of(file):
@@ -40,9 +41,9 @@ def test_every_figure_is_made_with_its_data(whole):
     directory, made = whole
     assert made.notes == []
     names = {path.name for path in pathlib.Path(directory).iterdir() if not path.name.startswith(".")}
-    expected = {f"figure_{number}.{ending}" for number in range(1, 8) for ending in ("csv", "svg", "png")}
+    expected = {f"figure_{number}.{ending}" for number in range(1, 10) for ending in ("csv", "svg", "png")}
     assert names == expected | {"runs.csv", "report.html"}
-    assert {claim.where for claim in made.claims} == {f"Figure {number}" for number in range(1, 8)}
+    assert {claim.where for claim in made.claims} == {f"Figure {number}" for number in range(1, 10)}
     text = (directory / "report.html").read_text(encoding="utf-8")
     for claim in made.claims:
         assert claim.where in text
@@ -85,7 +86,7 @@ def test_a_study_continues_where_it_was_stopped(tmp_path, whole):
     with pytest.raises(jam.Stopped):
         jam.make(tmp_path, TINY, progress=stop)
     jam.make(tmp_path, TINY)
-    for number in range(1, 8):
+    for number in range(1, 10):
         name = f"figure_{number}.csv"
         assert (tmp_path / name).read_text() == (directory / name).read_text(), name
 
@@ -143,7 +144,7 @@ def test_no_excess_in_a_marginal_packing(whole):
 
 
 @pytest.mark.parametrize(("arguments", "complaint"), [
-    (["--figure", "8"], "--figure must be a whole number, from 1 to 7, but is 8"),
+    (["--figure", "10"], "--figure must be a whole number, from 1 to 9, but is 10"),
     (["--wrong"], "gridlock jam has no option --wrong"),
     (["--quick", "--full"], "--quick and --full cannot be given together"),
     (["extra"], "one word too many"),

@@ -240,20 +240,18 @@ TEST(FreeSoftDisks, InAFlowSpreadAlongItWithTheCubeOfTime) {
   State const start = make_start(Box(2000.0, 2000.0, Edge::periodic),
                                  {.count = 4000, .packing_fraction = {}, .radius = 0.5, .start = StartKind::square}, 5);
   State state = start;
-  EngineSettings const settings{
-      .kind = "soft",
-      .time_step = 0.01,
-      .threads = 2,
-      .thermostat = {.kind = ThermostatKind::overdamped, .temperature = 0.5, .friction = 2.0},
-      .flow = {.shear_rate = rate}};
+  EngineSettings const settings{.kind = "soft",
+                                .time_step = 0.01,
+                                .threads = 2,
+                                .thermostat = {.kind = ThermostatKind::overdamped, .temperature = 0.5, .friction = 2.0},
+                                .flow = {.shear_rate = rate}};
   Counters counters;
   make_engine(settings, state)->advance(state, counters, {.step = 200});
   std::vector<double> along, across;
   for (std::size_t i = 0; i < start.agents.size(); ++i) {
     Vector const from = position(start.agents, i);
-    Vector const to =
-        position(state.agents, i) +
-        state.box.offset_of_image(state.agents.column<ImageX>()[i], state.agents.column<ImageY>()[i]);
+    Vector const to = position(state.agents, i) +
+                      state.box.offset_of_image(state.agents.column<ImageX>()[i], state.agents.column<ImageY>()[i]);
     along.push_back(std::pow(to.x - from.x - rate * from.y * time, 2));
     across.push_back(std::pow(to.y - from.y, 2));
   }

@@ -7,13 +7,12 @@
 /// #include "gridlock/engine/engine.hpp"
 /// #include "gridlock/lattice/start.hpp"
 ///
-/// State state = make_start(Box(12.0, 12.0, Edge::periodic), {.count = 160, .packing_fraction = {}, .radius = 0.5,
-///                                                            .start = StartKind::uniform}, 1);
+/// DisksSettings const disks{.count = 160, .packing_fraction = {}, .radius = 0.5, .start = StartKind::uniform};
+/// State state = make_start(Box(12.0, 12.0, Edge::periodic), disks, 1);
 /// Counters counters;
-/// EngineSettings const sheared{.kind = "soft",
-///                              .time_step = 0.1,
-///                              .thermostat = {.kind = ThermostatKind::overdamped, .temperature = 0.0, .friction = 1.0},
-///                              .flow = {.shear_rate = 1e-3}};
+/// ThermostatSettings const drag{.kind = ThermostatKind::overdamped, .temperature = 0.0, .friction = 1.0};
+/// EngineSettings const sheared{
+///     .kind = "soft", .time_step = 0.1, .thermostat = drag, .flow = {.shear_rate = 1e-3}};
 /// make_engine(sheared, state)->advance(state, counters, {.time = 10.0});
 /// ```
 

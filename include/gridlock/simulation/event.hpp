@@ -27,6 +27,7 @@ enum class EventKind {
   misleading_rule,      ///< the engine uses time steps under conditions where its results mislead
   note_of_model,        ///< a note of a model on its start, in its own words
   frames_beyond_end,    ///< the trajectory settings name frames beyond the end of the run
+  tilt_flipped,         ///< the box has the tilt nearest to 0 that has the same images as the one that was given
   nothing_moves,        ///< no disk has a velocity
   thermostat,           ///< the diffusion of a free disk by the thermostat, and its error
   losing_energy,        ///< collisions lose energy, and no contact lasts

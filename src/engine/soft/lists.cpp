@@ -87,15 +87,15 @@ std::vector<Band> lists_in_oblique(Box const& box, ListReach const& reach, Disks
   for (std::size_t row = 0; row < disks.size(); ++row) radius[row] = disks.identities[row].radius;
   PointsInMemory const centres{
       .x = &disks.places.data()->x, .y = &disks.places.data()->y, .count = disks.size(), .stride = 2};
-  NeighbourLists const lists =
-      lists_of(find_pairs_of_disks(box, {.factor = reach.cutoff, .gap = reach.skin}, centres, radius, threads),
-               disks.size());
+  NeighbourLists const lists = lists_of(
+      find_pairs_of_disks(box, {.factor = reach.cutoff, .gap = reach.skin}, centres, radius, threads), disks.size());
   std::vector<Band> bands(first_rows.size() - 1);
   for (std::size_t b = 0; b < bands.size(); ++b) {
     Band& band = bands[b];
     band = {.first = first_rows[b], .end = first_rows[b + 1], .begin = {0}, .entries = {}, .is_at_edge = {}};
     for (std::size_t row = band.first; row < band.end; ++row) {
-      for (std::uint64_t n = lists.begin[row]; n < lists.begin[row + 1]; ++n) band.entries.push_back(lists.neighbours[n]);
+      for (std::uint64_t n = lists.begin[row]; n < lists.begin[row + 1]; ++n)
+        band.entries.push_back(lists.neighbours[n]);
       while (band.entries.size() % entries_at_once != 0) {
         band.entries.push_back(static_cast<std::uint32_t>(disks.size()));
       }

@@ -32,6 +32,15 @@ class Extent:
     #: Figure 7: packings of equal disks.
     equal_disks: int
     equal_starts: int
+    #: Figure 8: packings sheared in small steps up to a strain.
+    sheared_disks: int
+    sheared_starts: int
+    sheared_strain: float
+    #: Figure 9: steady flows.
+    flow_disks: int
+    flow_starts: int
+    flow_rates: tuple[float, ...]
+    flow_strain: float
 
 
 def quick() -> Extent:
@@ -41,6 +50,7 @@ def quick() -> Extent:
         decompressed_disks=256, decompressed_starts=12, large_disks=1024, large_starts=1,
         fluid_densities=((0.4, 200.0), (0.6, 400.0), (0.7, 1000.0), (0.74, 2000.0), (0.775, 5000.0)), fluid_disks=256, fluid_starts=10,
         growth_rates=(2e-2, 2e-3, 4e-4), growth_disks=256, growth_starts=4, equal_disks=256, equal_starts=3,
+        sheared_disks=64, sheared_starts=6, sheared_strain=1.5, flow_disks=256, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=6.0,
     )
 
 
@@ -52,5 +62,6 @@ def full() -> Extent:
         decompressed_disks=256, decompressed_starts=60, large_disks=1024, large_starts=8,
         fluid_densities=((0.4, 400.0), (0.6, 1000.0), (0.7, 2000.0), (0.74, 4000.0), (0.76, 10000.0), (0.775, 10000.0)),
         fluid_disks=256, fluid_starts=24, growth_rates=(2e-2, 2e-3, 2e-4), growth_disks=256, growth_starts=8, equal_disks=256,
-        equal_starts=8,
+        equal_starts=8, sheared_disks=64, sheared_starts=12, sheared_strain=2.5, flow_disks=256, flow_starts=4,
+        flow_rates=(1e-2, 1e-3, 1e-4), flow_strain=10.0,
     )

@@ -46,7 +46,7 @@ class Run:
 
 
 def run_of(title: str, stages: list[Stage], seed: int, work: float, *, disks: int, packing_fraction: float, start: str = "uniform",
-           is_mixture: bool = True, potential: str = "harmonic") -> Run:
+           is_mixture: bool = True, potential: str = "harmonic", residual: float | None = None) -> Run:
     """Disks in a periodic unit box that go through these stages."""
     settings: dict[str, Any] = {
         "box": {"edge": "periodic"},
@@ -60,12 +60,32 @@ def run_of(title: str, stages: list[Stage], seed: int, work: float, *, disks: in
         settings["disks"]["species"] = MIXTURE
     if potential != "harmonic":
         settings["soft"] = {"potential": potential}
+    if residual is not None:
+        settings.setdefault("soft", {})["residual"] = residual
     return Run(json.dumps(settings, sort_keys=True), work, f"{title}, seed {seed}")
+
+
+def flow_of(title: str, seed: int, *, disks: int, packing_fraction: float, rate: float, strain: float) -> Run:
+    """Disks of diameter 1 and 1.4 with friction against a steady flow, up to a strain; a fifth of it is left out of the means."""
+    side = math.sqrt(0.5 * disks * 0.25 * math.pi * (1.0 + 1.4**2) / packing_fraction)
+    time_step = 0.2
+    steps = math.ceil(strain / (rate * time_step))
+    settings: dict[str, Any] = {
+        "box": {"edge": "periodic", "side": side},
+        "disks": {"count": disks, "radius": 0.5, "start": "uniform", "species": MIXTURE},
+        "protocol": [{"stage": "quench"}],
+        "engine": {"kind": "soft", "time_step": time_step},
+        "thermostat": {"kind": "overdamped", "temperature": 0.0, "friction": 1.0},
+        "flow": {"shear_rate": rate},
+        "observe": {"every": max(1, steps // 2000), "structure_every": 1, "equilibration": 0.2},
+        "run": {"seed": seed, "steps": steps},
+    }
+    return Run(json.dumps(settings, sort_keys=True), 1e-7 * disks * steps, f"{title}, seed {seed}")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Outcome:
-    """What the study keeps of a protocol: the tables ``stages`` and ``levels``, the results, and the last packing."""
+    """What the study keeps of a protocol: the tables ``stages``, ``levels`` and ``shear``, the results, and the last packing."""
 
     arrays: dict[str, Any]
 
@@ -73,7 +93,7 @@ class Outcome:
     def of(cls, simulation: Simulation, seconds: float) -> Outcome:
         arrays: dict[str, Any] = {"state_hash": simulation.state_hash, "seconds": seconds}
         for table, rows in simulation.distributions.items():
-            if table in ("stages", "levels"):
+            if table in ("stages", "levels", "shear"):
                 arrays.update({f"{table}.{name}": np.array(rows[name]) for name in rows.dtype.names or ()})
         arrays.update({f"result.{name}": float(result.value) for name, result in simulation.results.items()})
         agents = simulation.agents
@@ -94,6 +114,10 @@ class Outcome:
             raise RunFailure("no levels were kept")
         last = self.arrays["levels.stage"] == self.arrays["levels.stage"][-1]
         return np.asarray(self.arrays[f"levels.{column}"][last], dtype=np.float64)
+
+    def sheared(self, column: str) -> NDArray[np.float64]:
+        """A number of each minimum of quasi-static shear, from strain 0 on."""
+        return np.asarray(self.arrays[f"shear.{column}"], dtype=np.float64)
 
     @property
     def positions(self) -> NDArray[np.float64]:

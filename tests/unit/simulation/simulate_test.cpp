@@ -125,6 +125,22 @@ TEST(Simulate, WaitsForCollisionsThatNeverComeUntilTheTimeThatEndsTheRunToo) {
   EXPECT_DOUBLE_EQ(result.clock.time, 9e4);
 }
 
+TEST(Simulate, TellsATiltThatIsChanged) {
+  Configuration configuration;
+  configuration.box = {.edge = Edge::periodic, .side = 1.0, .tilt = 0.8};
+  configuration.disks.start = StartKind::uniform;
+  configuration.protocol = {{.kind = "quench"}};
+  auto const texts = [&] {
+    std::vector<std::string> texts;
+    for (Event const& note : set_up(configuration).notes) texts.push_back(to_text(note));
+    return texts;
+  };
+  EXPECT_EQ(texts(),
+            std::vector<std::string>{"box.tilt = 0.8 has the images of a box with the tilt -0.2, which is used"});
+  configuration.box.tilt = 0.4;
+  EXPECT_TRUE(texts().empty());
+}
+
 TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
   RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
   EXPECT_EQ(result.status, RunStatus::interrupted);
