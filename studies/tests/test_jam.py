@@ -157,8 +157,8 @@ def test_bad_use_is_refused(capsys, arguments, complaint):
 def test_impossible_arguments_are_refused(tmp_path):
     with pytest.raises(gridlock.Error, match="no extent"):
         jam.make(tmp_path, "large")
-    with pytest.raises(gridlock.Error, match="no Figure 9"):
-        jam.make(tmp_path, TINY, 9)
+    with pytest.raises(gridlock.Error, match="no Figure 10"):
+        jam.make(tmp_path, TINY, 10)
 
 
 def test_the_help_needs_no_packages():
