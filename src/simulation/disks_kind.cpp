@@ -282,6 +282,7 @@ class DisksKind final : public ModelKind {
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_counted_collisions(configuration.engine, configuration.run);
+    require_displacements(configuration.engine, configuration.observe);
     require_valid(configuration.protocol);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {
       throw Error({.what = "the stages of a protocol know no walls inside the box",

@@ -157,4 +157,12 @@ void require_counted_collisions(EngineSettings const& settings, RunSettings cons
        .key = "run.collisions_per_disk"});
 }
 
+void require_displacements(EngineSettings const& settings, ObserveSettings const& observe) {
+  if (!settings.flow.exists() || observe.displacement_lag == 0) return;
+  throw Error({.what = "displacements from many origins are not known in a flow, which carries disks the farther the "
+                       "higher they are",
+               .hint = "leave observe.displacement_lag out, or flow.shear_rate",
+               .key = "observe.displacement_lag"});
+}
+
 }  // namespace gridlock

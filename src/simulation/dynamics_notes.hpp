@@ -5,6 +5,7 @@
 #include "core/disks_overview.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/event.hpp"
 
 namespace gridlock {
@@ -38,5 +39,8 @@ std::string unused_of_potential(PairPotential kind, std::string_view key);
 
 /// Errors: Error for the length of a run in collisions, which soft disks do not have.
 void require_counted_collisions(EngineSettings const& settings, RunSettings const& run);
+
+/// Errors: Error for displacements from many origins in a flow, which carries disks by the more the higher they are.
+void require_displacements(EngineSettings const& settings, ObserveSettings const& observe);
 
 }  // namespace gridlock
