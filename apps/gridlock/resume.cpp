@@ -41,7 +41,7 @@ void add_resume(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   verb->add_option(
           "-j,--threads", options->threads,
           crew == nullptr
-              ? "Threads of exact, tiled and models; 0: one for each core; left out: as configured"
+              ? "Threads of exact, tiled, soft and models; 0: one for each core; left out: as configured"
               : "Threads of each rank; 0: the cores divided among the ranks of a machine; left out: as configured")
       ->check(whole_number(0, 1024));
   verb->add_option("--steps", options->length.steps, "New length of the run in steps, counted from its start")

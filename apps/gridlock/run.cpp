@@ -59,7 +59,7 @@ void add_run(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   options->output.add_to(*verb, "results/<name of FILE>");
   verb->add_option("-j,--threads", options->threads,
                    crew == nullptr
-                       ? "Threads of exact, tiled and models, as engine.threads; 0: one for each core"
+                       ? "Threads of exact, tiled, soft and models, as engine.threads; 0: one for each core"
                        : "Threads of each rank, as engine.threads; 0: the cores divided among the ranks of a machine")
       ->check(whole_number(0, 1024));
   options->run_output.add_to(*verb);

@@ -40,6 +40,8 @@ def _periodic(box: BoxLike, what: str) -> BoxValues:
 def separations(points: ArrayLike, i: ArrayLike, j: ArrayLike, box: BoxLike = None) -> NDArray[np.float64]:
     """The vectors from points i to points j, to the nearest image along periodic axes; shape (P, 2).
 
+    In a sheared box it is the nearest one where that is nearer than half the shorter side.
+
     :param i, j: indices of points, shape (P,) each, such as ``i, j = pairs(...).T``.
 
     >>> separations([[0.1, 0.5], [0.9, 0.5]], [0], [1], box=1.0)

@@ -80,7 +80,9 @@ Vector Box::inside(Vector p) const {
 void require_rectangle(Box const& box, std::string_view what) {
   if (!box.is_oblique()) return;
   throw Error({.what = std::string(what) + " knows rectangles only, and box.tilt is " + number_text(box.tilt()),
-               .hint = "leave box.tilt out; protocols of soft disks, contacts and analysis know oblique boxes",
+               .hint =
+                   "use a box without tilt; the engine \"soft\", protocols of soft disks, contacts and analysis know "
+                   "oblique boxes, and so does disks.start = \"uniform\"",
                .key = "box.tilt"});
 }
 

@@ -26,7 +26,7 @@ Requirements Displacement::requirements(Box const& box) const {
 }
 
 void Displacement::begin(Snapshot const& start) {
-  Sites const sites(start.agents);
+  Sites const sites(start.box, start.agents);
   sites_ = start.attached<Site>([&](std::size_t i) { return sites[i]; });
   blocks_ = IdBlocks(start, sites_.agents());
   length_ = {};
@@ -38,7 +38,7 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   Box const& box = now.box;
   double const side = box.side();
   auto const ids = now.agents.ids();
-  Sites const sites(now.agents);
+  Sites const sites(now.box, now.agents);
   MobileAgents const mobile(now.agents);
   enum Sum : std::size_t { of_length, of_square, of_x, of_y, sums };
   SumsOfBlocks<agent_blocks, sums> terms;
@@ -46,7 +46,7 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Site const* const from = sites_.find(ids[i], i);
     if (from == nullptr || !mobile.has(i)) continue;
-    Vector const moved = sites.moved(box, *from, i);
+    Vector const moved = sites.moved(*from, i);
     double const squared = squared_length(moved);
     std::size_t const block = blocks_.block_of(ids[i]);
     terms.add(block, {std::sqrt(squared) / side, squared, moved.x, moved.y});

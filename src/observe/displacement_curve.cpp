@@ -28,13 +28,13 @@ std::uint64_t early_lag_of(std::uint64_t max_lag) { return std::max<std::uint64_
 
 /// Returns the mean squared displacement from these sites, of mobile agents; nothing if none is left.
 std::optional<double> mean_squared_displacement_from(Snapshot const& now, Attached<Site> const& from) {
-  Sites const sites(now.agents);
+  Sites const sites(now.box, now.agents);
   MobileAgents const mobile(now.agents);
   auto const ids = now.agents.ids();
   auto const [squares, count] = now.sum([&](std::size_t i) {
     Site const* const then = mobile.has(i) ? from.find(ids[i], i) : nullptr;
     if (then == nullptr) return std::array{0.0, 0.0};
-    return std::array{squared_length(sites.moved(now.box, *then, i)), 1.0};
+    return std::array{squared_length(sites.moved(*then, i)), 1.0};
   });
   return count > 0.0 ? std::optional(squares / count) : std::nullopt;
 }
@@ -109,7 +109,7 @@ void DisplacementCurve::open_origin(Snapshot const& now) {
   samples_since_origin_ = 0;
   auto const free = std::ranges::find(origins_, false, &Origin::is_used);
   if (free == origins_.end()) return;
-  Sites const sites(now.agents);
+  Sites const sites(now.box, now.agents);
   *free = {
       .sites = now.attached<Site>([&](std::size_t i) { return sites[i]; }), .is_used = true, .time = now.clock.time};
 }

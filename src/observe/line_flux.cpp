@@ -35,7 +35,7 @@ void LineFlux::begin(Snapshot const& start) {
 }
 
 Attached<LineFlux::Side> LineFlux::sides_of(Snapshot const& now) const {
-  Sites const sites(now.agents);
+  Sites const sites(now.box, now.agents);
   double const position = position_.value_or(0.5 * (is_vertical() ? now.box.width() : now.box.height()));
   return now.attached<Side>([&](std::size_t i) {
     Site const site = sites[i];

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 
-#include "core/unwrapped.hpp"
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/disks.hpp"
@@ -14,7 +13,7 @@ namespace gridlock {
 
 /// Where an agent was: its position, and how many edges of a periodic box it had crossed.
 struct Site {
-  double x;
+  double x;  ///< with the shifts of the images above that it had come to, in an oblique box
   double y;
   std::int32_t image_x;
   std::int32_t image_y;
@@ -37,20 +36,24 @@ class EdgeCrossings {
 /// image_x and image_y.
 class Sites {
  public:
-  explicit Sites(AgentsView const& agents)
-      : x_(agents.column<X>()), y_(agents.column<Y>()), image_x_(agents), image_y_(agents) {}
+  Sites(Box const& box, AgentsView const& agents)
+      : box_(box), x_(agents.column<X>()), y_(agents.column<Y>()), image_x_(agents), image_y_(agents) {}
 
   [[nodiscard]] Site operator[](std::size_t row) const {
-    return {.x = x_[row], .y = y_[row], .image_x = image_x_[row], .image_y = image_y_[row]};
+    return {
+        .x = x_[row] + image_y_[row] * box_.shift(), .y = y_[row], .image_x = image_x_[row], .image_y = image_y_[row]};
   }
-  /// Returns the displacement of the agent in a row from an earlier site, around the box as often as it went.
-  [[nodiscard]] Vector moved(Box const& box, Site const& from, std::size_t row) const {
-    double const crossed_x = static_cast<double>(image_x_[row]) - static_cast<double>(from.image_x);
-    double const crossed_y = static_cast<double>(image_y_[row]) - static_cast<double>(from.image_y);
-    return unwrapped_displacement(box, {from.x, from.y}, {x_[row], y_[row]}, {crossed_x, crossed_y});
+  /// Returns the displacement of the agent in a row from an earlier site, around the box as often as it went. The box
+  /// may have had another shift then.
+  [[nodiscard]] Vector moved(Site const& from, std::size_t row) const {
+    Site const now = (*this)[row];
+    double const crossed_x = static_cast<double>(now.image_x) - static_cast<double>(from.image_x);
+    double const crossed_y = static_cast<double>(now.image_y) - static_cast<double>(from.image_y);
+    return {(now.x - from.x) + crossed_x * box_.width(), (now.y - from.y) + crossed_y * box_.height()};
   }
 
  private:
+  Box box_;
   std::span<double const> x_;
   std::span<double const> y_;
   EdgeCrossings<ImageX> image_x_;

@@ -184,7 +184,9 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                 settings.until_strain);
   visitor.visit({.key = "until_stress",
                  .unit = "ε/D²",
-                 .documentation = "shear: the shear stress at which the stage ends before the strain is reached.",
+                 .documentation = "shear: the stage ends at the first minimum after a step whose shear stress is as "
+                                  "large, before the strain is "
+                                  "reached.",
                  .min = 0.0,
                  .min_is_allowed = false,
                  .default_note = "no end by stress"},

@@ -207,7 +207,7 @@ class DisksKind final : public ModelKind {
          [&](SettingVisitor& visitor) { describe(configuration.engine.gravity, visitor); }},
         {"propulsion", "Whether disks propel themselves along headings that turn at random.",
          [&](SettingVisitor& visitor) { describe(configuration.engine.propulsion, visitor); }},
-        {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
+        {"soft", "How disks repel each other in the stages quench, compress, decompress and shear of a protocol.",
          [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
   }
   [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override {
@@ -282,7 +282,7 @@ class DisksKind final : public ModelKind {
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_counted_collisions(configuration.engine, configuration.run);
-    require_displacements(configuration.engine, configuration.observe);
+    require_no_places_along_flow(configuration.engine, configuration.observe);
     require_valid(configuration.protocol);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {
       throw Error({.what = "the stages of a protocol know no walls inside the box",
@@ -357,8 +357,11 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
     EngineSettings engine = settings;
     engine.time_step *= duration / step_duration(settings, world);
     std::unique_ptr<EngineFor<HardDisks>> advancing = std::make_unique<RestingEngine>(duration);
-    // These disks get a real engine even if this run has no length, since the run may be lengthened later.
-    if (is_prepared && can_run) advancing = patient(make_engine(engine, world), run, world, {});
+    // These disks get a real engine even if this run has no length, since the run may be lengthened later; not in an
+    // oblique box that the engine does not know.
+    bool const knows_box = engine_record(engine.kind).has_oblique_boxes || !world.box.is_oblique();
+    if (is_prepared && can_run && (knows_box || run.steps != 0))
+      advancing = patient(make_engine(engine, world), run, world, {});
     auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(world));
     simulation->observe(observe, traits_of(settings));
     return simulation;

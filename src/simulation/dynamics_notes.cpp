@@ -157,12 +157,19 @@ void require_counted_collisions(EngineSettings const& settings, RunSettings cons
        .key = "run.collisions_per_disk"});
 }
 
-void require_displacements(EngineSettings const& settings, ObserveSettings const& observe) {
-  if (!settings.flow.exists() || observe.displacement_lag == 0) return;
-  throw Error({.what = "displacements from many origins are not known in a flow, which carries disks the farther the "
-                       "higher they are",
-               .hint = "leave observe.displacement_lag out, or flow.shear_rate",
-               .key = "observe.displacement_lag"});
+void require_no_places_along_flow(EngineSettings const& settings, ObserveSettings const& observe) {
+  if (!settings.flow.exists()) return;
+  auto const refuse = [](char const* what, char const* hint, char const* key) {
+    throw Error({.what = what, .hint = hint, .key = key});
+  };
+  if (observe.density_profile == ProfileAxes::x || observe.density_profile == ProfileAxes::both) {
+    refuse("a flow leaves no places along x, so there is no density profile along x",
+           "use observe.density_profile = \"y\"", "observe.density_profile");
+  }
+  if (observe.flux_line == FluxLine::vertical) {
+    refuse("a flow carries the images of a vertical line away from it, so there is no flux through it",
+           "use observe.flux_line = \"horizontal\"", "observe.flux_line");
+  }
 }
 
 }  // namespace gridlock

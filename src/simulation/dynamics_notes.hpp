@@ -40,7 +40,7 @@ std::string unused_of_potential(PairPotential kind, std::string_view key);
 /// Errors: Error for the length of a run in collisions, which soft disks do not have.
 void require_counted_collisions(EngineSettings const& settings, RunSettings const& run);
 
-/// Errors: Error for displacements from many origins in a flow, which carries disks by the more the higher they are.
-void require_displacements(EngineSettings const& settings, ObserveSettings const& observe);
+/// Errors: Error for observables along x in a flow, where the images above are shifted.
+void require_no_places_along_flow(EngineSettings const& settings, ObserveSettings const& observe);
 
 }  // namespace gridlock

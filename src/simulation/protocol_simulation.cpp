@@ -430,7 +430,12 @@ void ProtocolSimulation::require_valid() const {
 
 std::vector<NamedEstimate> ProtocolSimulation::results() const {
   std::vector<NamedEstimate> results = estimates_of(protocol_.results());
-  if (has_run()) std::ranges::move(simulation_->results(), std::back_inserter(results));
+  if (!has_run()) return results;
+  for (NamedEstimate& of_run : simulation_->results()) {
+    // What the last packing has too, such as the pressure, is a mean of the run.
+    if (std::ranges::find(results, of_run.name, &NamedEstimate::name) != results.end()) of_run.name.insert(0, "mean_");
+    results.push_back(std::move(of_run));
+  }
   return results;
 }
 

@@ -23,7 +23,8 @@ constexpr std::uint64_t default_steps = 10'000;
 /// Returns a note on a tilt beyond half a width.
 std::optional<Event> flipped_tilt(BoxSettings const& settings) {
   double const tilt = make_box(settings).tilt();
-  if (std::abs(tilt - settings.tilt) <= 1e-9 * (1.0 + std::abs(settings.tilt))) return std::nullopt;
+  // Half a width to the right and to the left are the same.
+  if (std::abs(settings.tilt) <= (1.0 + 1e-9) * std::abs(tilt)) return std::nullopt;
   return Event{
       .kind = EventKind::tilt_flipped, .key = "box.tilt", .values = {{"given", settings.tilt}, {"tilt", tilt}}};
 }
