@@ -37,6 +37,7 @@ class RowsOfRanks {
       std::size_t const row = state_.agents.index_of(part.agents.ids()[k]);
       copy<X, Y, VelocityX, VelocityY, Radius, Mass, ImageX, ImageY>(row, part.agents, k);
     }
+    state_.box = part.box;
     state_.clock = part.clock;
   }
 
