@@ -432,7 +432,7 @@ std::vector<NamedEstimate> ProtocolSimulation::results() const {
   std::vector<NamedEstimate> results = estimates_of(protocol_.results());
   if (!has_run()) return results;
   for (NamedEstimate& of_run : simulation_->results()) {
-    // What the last packing has too, such as the pressure, is a mean of the run.
+    // The last packing has some of them too, such as the pressure.
     if (std::ranges::find(results, of_run.name, &NamedEstimate::name) != results.end()) of_run.name.insert(0, "mean_");
     results.push_back(std::move(of_run));
   }
