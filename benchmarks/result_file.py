@@ -1,8 +1,10 @@
 """What the scripts share that measure Gridlock beside other programs: their common options and the file of results."""
 
 import argparse
+import os
 import pathlib
 import platform
+import resource
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -34,6 +36,20 @@ def options_of(parser, benchmark):
 def first_word(command):
     """The first word that a program prints."""
     return subprocess.run(command, text=True, capture_output=True).stdout.split()[0]
+
+
+def processor_time(command, directory=None):
+    """The seconds of processor time that a command takes on one thread."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=directory, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def beside_lammps(options, script):
+    """How a script has measured Gridlock beside LAMMPS."""
+    return (f"LAMMPS of Debian; {options.rounds} rounds in turns; {os.getloadavg()[0]:.1f} programs at work on {os.cpu_count()} cores at the "
+            f"beginning; benchmarks/{script}.py")
 
 
 def processor():

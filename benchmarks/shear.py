@@ -12,11 +12,8 @@ Writes benchmarks/results/shear.csv: milliseconds of processor time a step, and 
 """
 
 import math
-import os
 import pathlib
 import re
-import resource
-import subprocess
 import tempfile
 
 import result_file
@@ -85,13 +82,6 @@ def write_data(packing, data):
             file.write(f"{k} {1 if diameter < 1.2 else 2} {diameter!r} {density!r} {x!r} {y!r} 0\n")
 
 
-def processor_time(command, directory):
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=directory, env=os.environ | {"OMP_NUM_THREADS": "1"})
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
 def main():
     parser = result_file.parser_of("shear", __doc__)
     parser.add_argument("lmp", help="the program of LAMMPS")
@@ -104,16 +94,14 @@ def main():
     parser.add_argument("--time-steps", nargs="+", type=float, default=[0.05, 0.1, 0.2])
     parser.add_argument("--rounds", type=int, default=2)
     options = result_file.options_of(parser, "")
-    results = result_file.ResultFile(
-        options.output, f"LAMMPS of Debian; {options.rounds} rounds in turns; {os.getloadavg()[0]:.1f} programs at work on "
-                        f"{os.cpu_count()} cores at the beginning; benchmarks/shear.py")
+    results = result_file.ResultFile(options.output, result_file.beside_lammps(options, "shear"))
     results.write("benchmark,name,n,milliseconds_min,speed_up")
     program = pathlib.Path(options.program).resolve()
     with tempfile.TemporaryDirectory() as name:
         directory = pathlib.Path(name)
         run = [program, "run", "--overwrite", "--no-pictures", "--threads", "1"]
         (directory / "start.toml").write_text(START.format(count=options.count, phi=options.phi, seed=options.seed))
-        processor_time(run + ["start.toml", "-o", "start"], directory)
+        result_file.processor_time(run + ["start.toml", "-o", "start"], directory)
         write_data(directory / "start" / "final.xyz", directory / "start.data")
         commands = {"shear": []} | {f"LAMMPS step {time_step}": [] for time_step in options.time_steps}
         for steps in (1, 1 + options.steps):
@@ -126,7 +114,7 @@ def main():
         least = dict.fromkeys(commands, math.inf)
         for _ in range(options.rounds):
             for each, (short, long) in commands.items():
-                seconds = [processor_time(options.pin + command, directory) for command in (short, long)]
+                seconds = [result_file.processor_time(options.pin + command, directory) for command in (short, long)]
                 least[each] = min(least[each], seconds[1] - seconds[0])
     baseline = min(list(commands)[1:], key=least.get)
     for each in ("shear", baseline):

@@ -15,7 +15,6 @@ import math
 import os
 import pathlib
 import re
-import resource
 import subprocess
 import tempfile
 
@@ -86,20 +85,13 @@ def lattice_of(density, count):
     return (columns, rows, spacing), (columns * spacing, rows * spacing * math.sqrt(3) / 2), columns * rows
 
 
-def processor_time(command):
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
 def time_gridlock(options, directory, settings):
     times = []
     for steps in (options.mixed, options.mixed + options.steps):
         file = directory / "soft.toml"
         file.write_text(gridlock_settings(*settings, steps))
         command = [options.program, "run", file, "-o", directory / "run", "--overwrite", "--no-pictures"]
-        times.append(processor_time(options.pin + command))
+        times.append(result_file.processor_time(options.pin + command))
     return times[1] - times[0]
 
 
@@ -142,9 +134,7 @@ def main():
     parser.add_argument("--disk-steps", type=float, default=2e7, help="disks times steps of a run")
     parser.add_argument("--rounds", type=int, default=2)
     options = result_file.options_of(parser, "")
-    results = result_file.ResultFile(
-        options.output, f"LAMMPS of Debian; {options.rounds} rounds in turns; {os.getloadavg()[0]:.1f} programs at work on "
-                        f"{os.cpu_count()} cores at the beginning; benchmarks/soft.py")
+    results = result_file.ResultFile(options.output, result_file.beside_lammps(options, "soft"))
     results.write("benchmark,name,potential,dynamics,n,nanoseconds_min,speed_up")
     for potential in options.potentials:
         for dynamics in options.dynamics:

@@ -96,17 +96,17 @@ ThermostatSettings resolved(ThermostatSettings const& settings, State const& sta
                  .key = "thermostat.kind"});
   }
   if (!full.temperature) full.temperature = kinetic_energy(disks) / static_cast<double>(moving);
-  bool const is_cold = settings.temperature == 0.0 && full.has_friction();
-  if (is_cold && !full.friction) {
-    throw Error({.what = "a bath of temperature 0 has no friction of its own",
-                 .hint = "give thermostat.friction",
-                 .key = "thermostat.friction"});
-  }
-  if (settings.temperature == 0.0 && !is_cold) {
+  bool const is_cold = settings.temperature == 0.0;
+  if (is_cold && !full.has_friction()) {
     throw Error({.what = fmt::format("a bath of temperature 0 stops all disks with thermostat.kind = \"{}\"",
                                      to_text(settings.kind)),
                  .hint = "use a temperature above 0; langevin and overdamped know friction without noise",
                  .key = "thermostat.temperature"});
+  }
+  if (is_cold && !full.friction) {
+    throw Error({.what = "a bath of temperature 0 has no friction of its own",
+                 .hint = "give thermostat.friction",
+                 .key = "thermostat.friction"});
   }
   if (!(*full.temperature > 0.0) && !is_cold) {
     throw Error({.what = "the disks rest at the start, so the temperature of the thermostat is not known",

@@ -16,6 +16,7 @@
 #include "gridlock/simulation/simulate.hpp"
 #include "observe/stress.hpp"
 #include "reference/mean_and_error.hpp"
+#include "reference/unwrapped_place.hpp"
 
 namespace gridlock {
 namespace {
@@ -250,8 +251,7 @@ TEST(FreeSoftDisks, InAFlowSpreadAlongItWithTheCubeOfTime) {
   std::vector<double> along, across;
   for (std::size_t i = 0; i < start.agents.size(); ++i) {
     Vector const from = position(start.agents, i);
-    Vector const to = position(state.agents, i) +
-                      state.box.offset_of_image(state.agents.column<ImageX>()[i], state.agents.column<ImageY>()[i]);
+    Vector const to = reference::unwrapped_place(state, i);
     along.push_back(std::pow(to.x - from.x - rate * from.y * time, 2));
     across.push_back(std::pow(to.y - from.y, 2));
   }

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -18,6 +17,8 @@
 #include "gridlock/core/target.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "observe/displacement.hpp"
+#include "property/soft_runs.hpp"
+#include "reference/unwrapped_place.hpp"
 
 namespace gridlock {
 namespace {
@@ -44,24 +45,6 @@ EngineSettings flow_settings(ThermostatKind thermostat, double shear_rate) {
 
 constexpr std::array all_dynamics{ThermostatKind::none, ThermostatKind::langevin, ThermostatKind::overdamped};
 
-std::uint64_t hash_in_flow(EngineSettings const& settings, State state, std::uint64_t steps, std::uint64_t chunk,
-                           double skin = 0.0) {
-  SoftEngine engine(settings, state);
-  engine.set_skin(skin);
-  Counters counters;
-  for (std::uint64_t step = chunk; step < steps + chunk; step += chunk) {
-    engine.advance(state, counters, {.step = std::min(step, steps)});
-  }
-  return hash(state);
-}
-
-/// Where a disk is without edges.
-Vector unwrapped(State const& state, std::size_t row) {
-  double const up = state.agents.column<ImageY>()[row];
-  double const right = state.agents.column<ImageX>()[row];
-  return position(state.agents, row) + state.box.offset_of_image(right, up);
-}
-
 TEST(Flow, CarriesFreeDisksOnStraightLines) {
   State const start = flowing_fluid(3, 1e-4, 20);  // they hardly meet
   for (double const rate : {2.0, -0.7}) {
@@ -79,7 +62,7 @@ TEST(Flow, CarriesFreeDisksOnStraightLines) {
       Vector const r = position(start.agents, i);
       Vector const v = velocity(start.agents, i);
       Vector const expected{r.x + (v.x + rate * r.y) * time, r.y + v.y * time};
-      Vector const d = unwrapped(state, i) - expected;
+      Vector const d = reference::unwrapped_place(state, i) - expected;
       if (std::abs(d.y) > 1e-6) continue;  // one of the few that have met others
       ++free;
       EXPECT_NEAR(d.x, 0.0, 1e-9);
@@ -124,14 +107,7 @@ TEST(Flow, HasTheSameBitsForAnyThreadsChunksAndSkin) {
     for (double const rate : {30.0, -0.5}) {
       EngineSettings settings = flow_settings(kind, rate);
       if (rate == -0.5) settings.potential = {.kind = PairPotential::wca};
-      std::uint64_t const expected = hash_in_flow(settings, start, 120, 120);
-      EXPECT_EQ(hash_in_flow(settings, start, 120, 1), expected);
-      EXPECT_EQ(hash_in_flow(settings, start, 120, 7, 0.05), expected);
-      EXPECT_EQ(hash_in_flow(settings, start, 120, 13, 0.5), expected);
-      for (std::uint64_t const threads : {2, 3, 8}) {
-        settings.threads = threads;
-        EXPECT_EQ(hash_in_flow(settings, start, 120, 120), expected) << threads;
-      }
+      test::expect_same_bits_for_any_threads_chunks_and_skin(settings, start, 120);
     }
   }
 }
@@ -197,7 +173,7 @@ TEST(Flow, LeavesDisplacementsWhereTheTiltIsFlipped) {
   std::vector<double> row(3);
   displacement.begin(Snapshot(state, counters));
   std::vector<Vector> start;
-  for (std::size_t i = 0; i < state.agents.size(); ++i) start.push_back(unwrapped(state, i));
+  for (std::size_t i = 0; i < state.agents.size(); ++i) start.push_back(reference::unwrapped_place(state, i));
   int flips = 0;
   for (int k = 0; k < 30; ++k) {
     double const tilt = state.box.tilt();
@@ -205,7 +181,8 @@ TEST(Flow, LeavesDisplacementsWhereTheTiltIsFlipped) {
     flips += state.box.tilt() < tilt ? 1 : 0;
     displacement.sample(Snapshot(state, counters), row, false);
     double squares = 0.0;
-    for (std::size_t i = 0; i < start.size(); ++i) squares += squared_length(unwrapped(state, i) - start[i]);
+    for (std::size_t i = 0; i < start.size(); ++i)
+      squares += squared_length(reference::unwrapped_place(state, i) - start[i]);
     EXPECT_NEAR(row[1], squares / static_cast<double>(start.size()), 1e-9);
   }
   EXPECT_GE(flips, 2);

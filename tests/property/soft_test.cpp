@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +14,7 @@
 #include "engine/soft/system.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "property/soft_runs.hpp"
 
 namespace gridlock {
 namespace {
@@ -52,18 +52,6 @@ std::vector<EngineSettings> dynamics_of(PotentialSettings const& potential) {
   dynamics.push_back(dynamics.back());
   dynamics.back().propulsion = {.speed = 3.0, .rotational_diffusion = 2.0};
   return dynamics;
-}
-
-std::uint64_t hash_after(EngineSettings const& settings, State state, std::uint64_t steps, std::uint64_t chunk,
-                         double skin = 0.0) {
-  SoftEngine engine(settings, state);
-  engine.set_skin(skin);
-  Counters counters;
-  for (std::uint64_t step = chunk; step < steps + chunk; step += chunk) {
-    engine.advance(state, counters, {.step = std::min(step, steps)});
-  }
-  EXPECT_EQ(counters.moves, steps * state.agents.size());
-  return hash(state);
 }
 
 TEST(SoftForces, AreThoseOfAllPairs) {
@@ -132,16 +120,8 @@ TEST(SoftDisks, HaveTheSameBitsForAnyThreadsChunksAndSkin) {
   for (bool const is_mixture : {false, true}) {
     State const start = fluid(is_mixture, 7);
     for (PotentialSettings const& potential : potentials()) {
-      for (EngineSettings settings : dynamics_of(potential)) {
-        std::uint64_t const expected = hash_after(settings, start, 40, 40);
-        EXPECT_NE(expected, hash(start));
-        EXPECT_EQ(hash_after(settings, start, 40, 1), expected);
-        EXPECT_EQ(hash_after(settings, start, 40, 7, 0.05), expected);
-        EXPECT_EQ(hash_after(settings, start, 40, 13, 0.5), expected);
-        for (std::uint64_t const threads : {2, 3, 8}) {
-          settings.threads = threads;
-          EXPECT_EQ(hash_after(settings, start, 40, 40), expected) << threads;
-        }
+      for (EngineSettings const& settings : dynamics_of(potential)) {
+        test::expect_same_bits_for_any_threads_chunks_and_skin(settings, start, 40);
       }
     }
   }
