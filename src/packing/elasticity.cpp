@@ -91,20 +91,37 @@ double pure_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& net
   return moduli.shear_xx_yy() - 0.5 * network.pressure;
 }
 
-std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& network) {
+std::optional<GrowthResponse> find_growth_response(ContactNetwork const& network, BoxShape shape) {
   if (network.backbone_disks == 0 || network.tolerance > 0.0) return std::nullopt;
   Unknowns const unknowns = held(network);
   std::vector<Contact> const contacts = network.backbone();
   Cholesky const cholesky(hessian_of(contacts, network.potential, unknowns));
   if (cholesky.info() != Eigen::Success || is_loose(cholesky)) return std::nullopt;
   // Growing disks and a shrinking box exert the same forces on the disks.
-  Eigen::MatrixXd const force = strain(network, contacts, unknowns).force;
-  Eigen::VectorXd const motion = cholesky.solve(force.col(0) + force.col(1));
-  std::vector<Vector> response(network.size());
+  StrainedBackbone const backbone = strain(network, contacts, unknowns);
+  // The columns are growth, a pure shear and a simple shear.
+  Eigen::Matrix3d const combine{{1.0, 0.5, 0.0}, {1.0, -0.5, 0.0}, {0.0, 0.0, 1.0}};
+  Eigen::MatrixXd const force = backbone.force * combine;
+  Eigen::Index const columns = shape == BoxShape::free ? 3 : 1;
+  Eigen::MatrixXd const motions = cholesky.solve(force.leftCols(columns));
+  Eigen::VectorXd motion = motions.col(0);
+  GrowthResponse response{.displacement = std::vector<Vector>(network.size())};
+  if (shape == BoxShape::free) {
+    Eigen::Matrix3d const relaxed = combine.transpose() * backbone.born * combine - force.transpose() * motions;
+    Eigen::Matrix2d stiffness = relaxed.bottomRightCorner<2, 2>();
+    // Prestress lowers the moduli of finite shears at constant area by p/2.
+    for (Contact const& contact : contacts)
+      stiffness.diagonal().array() -= 0.25 * force_of(contact, network.potential) * contact.distance;
+    if (!(stiffness.determinant() > 0.0 && stiffness(0, 0) > 0.0)) return std::nullopt;
+    Eigen::Vector2d const strains = stiffness.inverse() * relaxed.bottomLeftCorner<2, 1>();
+    motion -= motions.rightCols<2>() * strains;
+    response.pure_shear = strains[0];
+    response.simple_shear = strains[1];
+  }
   for (std::size_t i = 0; i < network.size(); ++i) {
     if (unknowns.place[i] == Unknowns::none) continue;
     auto const row = 2 * static_cast<Eigen::Index>(unknowns.place[i]);
-    response[i] = {motion[row], motion[row + 1]};
+    response.displacement[i] = {motion[row], motion[row + 1]};
   }
   return response;
 }

@@ -28,7 +28,7 @@ void Fire::stop() {
   std::ranges::fill(velocity_.y, 0.0);
 }
 
-void Fire::step(Packing& packing, SoftForces& forces, ForceSums const& sums, Columns& force, std::uint64_t iteration) {
+void Fire::step(Packing& packing, SiteForces& forces, ForceSums const& sums, Columns& force, std::uint64_t iteration) {
   bool const is_downhill = sums.power > 0.0;
   if (is_downhill) {
     if (++downhill_ > delay) {
@@ -41,10 +41,7 @@ void Fire::step(Packing& packing, SoftForces& forces, ForceSums const& sums, Col
       time_step_ = std::max(time_step_ * 0.5, shortest_time_step * diameter_);
       mixing_ = first_mixing;
     }
-    for (std::size_t i = 0; i < packing.size(); ++i) {
-      packing.x[i] -= 0.5 * time_step_ * velocity_.x[i];
-      packing.y[i] -= 0.5 * time_step_ * velocity_.y[i];
-    }
+    forces.displace(packing, velocity_, -0.5 * time_step_);
     stop();
   }
   // After half a step back the forces have changed; with the old forces the next step could go uphill.
@@ -53,12 +50,11 @@ void Fire::step(Packing& packing, SoftForces& forces, ForceSums const& sums, Col
   double const squared_speed = here.speed_squares + 2.0 * dt * here.power + dt * dt * here.force_squares;
   double const along = here.force_squares > 0.0 ? mixing_ * std::sqrt(squared_speed / here.force_squares) : 0.0;
   double const kept = 1.0 - mixing_;
-  for (std::size_t i = 0; i < packing.size(); ++i) {
+  for (std::size_t i = 0; i < velocity_.x.size(); ++i) {
     velocity_.x[i] = kept * (velocity_.x[i] + dt * force.x[i]) + along * force.x[i];
     velocity_.y[i] = kept * (velocity_.y[i] + dt * force.y[i]) + along * force.y[i];
-    packing.x[i] += dt * velocity_.x[i];
-    packing.y[i] += dt * velocity_.y[i];
   }
+  forces.displace(packing, velocity_, dt);
 }
 
 void Fire::serialize(Archive& archive) {

@@ -24,10 +24,11 @@ Unknowns::Unknowns(std::vector<bool> const& takes_part) : place(takes_part.size(
   }
 }
 
-SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns) {
+std::vector<HessianEntry> hessian_entries(std::span<Contact const> contacts, Potential potential,
+                                          Unknowns const& unknowns) {
   std::size_t const all = unknowns.place.size();
   std::vector<HessianBlock> diagonal(unknowns.disks);
-  std::vector<Eigen::Triplet<double, int>> entries;
+  std::vector<HessianEntry> entries;
   entries.reserve(4 * contacts.size() + 3 * unknowns.disks);
   for (Contact const& contact : contacts) {
     if (contact.overlap() <= 0.0) continue;
@@ -52,10 +53,18 @@ SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, 
     entries.emplace_back(row + 1, row, diagonal[k].xy);
     entries.emplace_back(row + 1, row + 1, diagonal[k].yy);
   }
-  auto const size = static_cast<Eigen::Index>(2 * unknowns.disks);
+  return entries;
+}
+
+SparseMatrix hessian_of(std::vector<HessianEntry> const& entries, std::size_t sites) {
+  auto const size = static_cast<Eigen::Index>(2 * sites);
   SparseMatrix hessian(size, size);
   hessian.setFromTriplets(entries.begin(), entries.end());
   return hessian;
+}
+
+SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns) {
+  return hessian_of(hessian_entries(contacts, potential, unknowns), unknowns.disks);
 }
 
 }  // namespace gridlock

@@ -11,6 +11,8 @@
 namespace gridlock {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
+/// An entry of a matrix; those of the same place are added up.
+using HessianEntry = Eigen::Triplet<double, int>;
 
 /// The unknowns of each disk: 2 · place (x) and 2 · place + 1 (y).
 struct Unknowns {
@@ -50,5 +52,10 @@ HessianBlock block_of(Contact const& contact, Potential potential, bool is_at_wa
 /// A contact adds its block to the diagonal blocks of its two disks, and subtracts it from the block between them. A
 /// disk that is held acts as a wall of its shape.
 SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns);
+/// Returns the entries of hessian_of().
+std::vector<HessianEntry> hessian_entries(std::span<Contact const> contacts, Potential potential,
+                                          Unknowns const& unknowns);
+/// Returns the matrix of two unknowns for each site with these entries.
+SparseMatrix hessian_of(std::vector<HessianEntry> const& entries, std::size_t sites);
 
 }  // namespace gridlock

@@ -16,7 +16,7 @@
 #include "packing/fire.hpp"
 #include "packing/hessian.hpp"
 #include "packing/quasi_newton.hpp"
-#include "packing/soft_forces.hpp"
+#include "packing/site_forces.hpp"
 #include "packing/steepest_descent.hpp"
 
 namespace gridlock {
@@ -75,13 +75,13 @@ class Minimizer::Search {
  public:
   Search(MinimizerSettings const& settings, Packing const& packing)
       : settings_(settings),
-        forces_(packing, settings.potential, settings.threads),
+        forces_(packing, settings),
         diameter_(smallest_diameter(packing)),
-        force_(packing.size()),
-        step_(packing.size()),
+        force_(forces_.sites()),
+        step_(forces_.sites()),
         descent_(packing.size()),
-        fire_(packing.size()),
-        quasi_newton_(packing.size(), first_quasi_newton_scale * diameter_ * diameter_),
+        fire_(forces_.sites()),
+        quasi_newton_(forces_.sites(), first_quasi_newton_scale * diameter_ * diameter_),
         quasi_newton_residual_(settings.quasi_newton_residual),
         newton_residual_(settings.newton_residual) {
     descent_.restart(diameter_);
@@ -95,7 +95,7 @@ class Minimizer::Search {
     if (!sums_) sums_ = evaluate(packing);
     return *sums_;
   }
-  [[nodiscard]] std::vector<Contact> contacts(Packing const& packing) { return forces_.contacts(packing); }
+  [[nodiscard]] std::vector<Contact> contacts(Packing const& packing) { return forces_.of_disks().contacts(packing); }
 
   /// Begins a search at rest, with disks whose sizes may have changed.
   void restart(Packing const& packing) {
@@ -133,7 +133,7 @@ class Minimizer::Search {
   }
   /// Returns whether the search still follows the steepest descent; once it has left it, it does not return to it.
   [[nodiscard]] bool is_for_descent(ForceSums const& sums) {
-    is_descending_ = is_descending_ && sums.residual() > settings_.descent_residual &&
+    is_descending_ = is_descending_ && residual_of_disks(sums) > settings_.descent_residual &&
                      sums.energy > min_energy_of_descent * static_cast<double>(force_.x.size());
     return is_descending_;
   }
@@ -168,7 +168,8 @@ class Minimizer::Search {
 
   void descent_step(Packing& packing) {
     ++iterations_;
-    sums_ = descent_.step(packing, forces_, settings_.potential, fire_.velocity(), force_);
+    sums_ = descent_.step(packing, forces_.of_disks(), settings_.potential, fire_.velocity(), force_);
+    if (settings_.box_shape == BoxShape::free) sums_ = evaluate(packing);
   }
 
   void fire_step(Packing& packing, ForceSums const& sums) {
@@ -183,10 +184,10 @@ class Minimizer::Search {
     fire_.stop();
     // The residual may rise during these steps.
     quasi_newton_residual_ = std::numeric_limits<double>::max();
-    double const slope = quasi_newton_.find_direction(force_, step_, forces_.pool());
+    double const slope = quasi_newton_.find_direction(force_, step_, pool());
     auto const scale = descend(packing, sums, slope);
     if (scale) {
-      quasi_newton_.remember(step_, *scale, force_before_, force_, forces_.pool());
+      quasi_newton_.remember(step_, *scale, force_before_, force_, pool());
       return;
     }
     quasi_newton_residual_ = 0.1 * std::min(quasi_newton_residual_, sums.residual());
@@ -200,7 +201,7 @@ class Minimizer::Search {
     fire_.stop();
     SparseMatrix const hessian = analyzed_hessian(packing);
     Eigen::VectorXd right(hessian.rows());
-    for (std::size_t i = 0; i < packing.size(); ++i) {
+    for (std::size_t i = 0; i < forces_.sites(); ++i) {
       right[static_cast<Eigen::Index>(2 * i)] = force_.x[i];
       right[static_cast<Eigen::Index>(2 * i + 1)] = force_.y[i];
     }
@@ -208,7 +209,7 @@ class Minimizer::Search {
     for (; shift_ <= max_shift; shift_ *= 10.0) {
       if (!factorize(hessian, shift_)) continue;
       Eigen::VectorXd const solution = factors_.solve(right);
-      for (std::size_t i = 0; i < packing.size(); ++i) {
+      for (std::size_t i = 0; i < forces_.sites(); ++i) {
         step_.x[i] = solution[static_cast<Eigen::Index>(2 * i)];
         step_.y[i] = solution[static_cast<Eigen::Index>(2 * i + 1)];
       }
@@ -242,7 +243,18 @@ class Minimizer::Search {
   }
 
  private:
+  ThreadPool& pool() { return forces_.of_disks().pool(); }
   ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, fire_.velocity(), force_); }
+
+  /// Returns the residual without the force on the box, whose shape steepest descent keeps.
+  [[nodiscard]] double residual_of_disks(ForceSums sums) const {
+    if (settings_.box_shape == BoxShape::fixed) return sums.residual();
+    sums.largest_square = 0.0;
+    for (std::size_t i = 0; i + 1 < forces_.sites(); ++i) {
+      sums.largest_square = std::max(sums.largest_square, force_.x[i] * force_.x[i] + force_.y[i] * force_.y[i]);
+    }
+    return sums.residual();
+  }
 
   /// Lets the next search begin with steps of FIRE, or of QuasiNewton without remembered steps.
   void start_fire() {
@@ -267,26 +279,22 @@ class Minimizer::Search {
   /// Moves along step_, by at most 0.1 D for any disk. Halves the step until the energy falls as the slope predicts or
   /// the residual halves. Returns the factor of step_; nothing, with the disks moved back, if neither happens.
   std::optional<double> descend(Packing& packing, ForceSums const& sums, double slope) {
-    before_.x = packing.x;
-    before_.y = packing.y;
+    before_ = packing;
     force_before_ = force_;
     ForceSums const from = sums;
     double square = 0.0;
-    for (std::size_t i = 0; i < packing.size(); ++i) {
+    for (std::size_t i = 0; i < forces_.sites(); ++i) {
       square = std::max(square, step_.x[i] * step_.x[i] + step_.y[i] * step_.y[i]);
     }
     double scale = std::min(1.0, longest_step * diameter_ / std::sqrt(square));
     for (int halvings = 0; halvings <= max_halvings; ++halvings, scale *= 0.5) {
-      for (std::size_t i = 0; i < packing.size(); ++i) {
-        packing.x[i] = before_.x[i] + scale * step_.x[i];
-        packing.y[i] = before_.y[i] + scale * step_.y[i];
-      }
+      if (halvings > 0) packing = before_;
+      forces_.displace(packing, step_, scale);
       sums_ = evaluate(packing);
       double const least = min_decrease * scale * slope;
       if (sums_->energy < from.energy - least || sums_->residual() <= 0.5 * from.residual()) return scale;
     }
-    std::swap(packing.x, before_.x);
-    std::swap(packing.y, before_.y);
+    std::swap(packing, before_);
     std::swap(force_, force_before_);
     sums_ = from;
     return {};
@@ -294,7 +302,7 @@ class Minimizer::Search {
 
   /// Returns the Hessian of all disks, prepared for factorize().
   SparseMatrix analyzed_hessian(Packing const& packing) {
-    SparseMatrix hessian = hessian_of(contacts(packing), settings_.potential, Unknowns(packing.size()));
+    SparseMatrix hessian = forces_.hessian(packing);
     analyze(hessian);
     return hessian;
   }
@@ -317,12 +325,12 @@ class Minimizer::Search {
   }
 
   MinimizerSettings settings_;
-  SoftForces forces_;
+  SiteForces forces_;
   double diameter_;
   Columns force_;
   std::optional<ForceSums> sums_;  ///< sums of force_, where they are known
   Columns step_;
-  Columns before_;  ///< positions before a step; the next array holds the forces
+  Packing before_;  ///< packing before a step; the next array holds the forces
   Columns force_before_;
   SteepestDescent descent_;
   Fire fire_;
@@ -344,6 +352,11 @@ class Minimizer::Search {
 Minimizer::Minimizer(MinimizerSettings const& settings, Packing packing)
     : settings_(checked(settings)), packing_(std::move(packing)) {
   require_valid(packing_);
+  if (settings_.box_shape == BoxShape::free && !packing_.box.is_periodic()) {
+    throw Error({.what = fmt::format("the shape of a box that is {} cannot be free", edges_in_words(packing_.box)),
+                 .hint = "use a box that is periodic along x and y: box.edge = \"periodic\"",
+                 .key = "box.edge"});
+  }
   search_ = std::make_unique<Search>(settings_, packing_);
 }
 
@@ -411,8 +424,7 @@ void Minimizer::serialize(Archive& archive) {
   archive.require(place <= static_cast<std::uint64_t>(MinimumStatus::unconverged), "a minimization has no such status");
   status_ = static_cast<MinimumStatus>(place);
   std::size_t const disks = packing_.size();
-  archive.visit("x", packing_.x);
-  archive.visit("y", packing_.y);
+  serialize_places(archive, packing_, settings_.box_shape);
   archive.visit("radius", packing_.radius);
   archive.require(packing_.x.size() == disks && packing_.y.size() == disks && packing_.radius.size() == disks,
                   "a minimization has another number of positions than of disks");

@@ -12,6 +12,7 @@
 #include "gridlock/packing/contact_network.hpp"
 #include "gridlock/packing/elasticity.hpp"
 #include "packing/serialized_columns.hpp"
+#include "packing/site_forces.hpp"
 
 namespace gridlock {
 
@@ -143,16 +144,23 @@ void PressureRamp::try_packing_fraction(double packing_fraction) {
 /// them.
 bool PressureRamp::move_with_growth(Packing& packing, double growth) {
   if (pressure_ == 0.0) return false;
-  if (!response_) response_ = find_growth_response(find_contact_network(good_, settings_.minimizer.potential));
+  if (!response_) {
+    response_ = find_growth_response(find_contact_network(good_, settings_.minimizer.potential),
+                                     settings_.minimizer.box_shape);
+  }
   if (!response_) return false;
-  double square = 0.0;
-  for (Vector const step : *response_) square = std::max(square, squared_length(step));
+  double const strain_squared =
+      response_->pure_shear * response_->pure_shear + response_->simple_shear * response_->simple_shear;
+  double square = strain_squared * packing.box.area();
+  for (Vector const step : response_->displacement) square = std::max(square, squared_length(step));
   double const longest = longest_step_of_ramp * smallest_diameter(packing);
   if (!(growth * growth * square <= longest * longest)) return false;
   for (std::size_t i = 0; i < packing.size(); ++i) {
-    packing.x[i] += growth * (*response_)[i].x;
-    packing.y[i] += growth * (*response_)[i].y;
+    packing.x[i] += growth * response_->displacement[i].x;
+    packing.y[i] += growth * response_->displacement[i].y;
   }
+  if (settings_.minimizer.box_shape == BoxShape::free)
+    deform(packing, growth * response_->pure_shear, growth * response_->simple_shear);
   return true;
 }
 
@@ -292,8 +300,7 @@ void PressureRamp::serialize(Archive& archive) {
   status_ = static_cast<RampStatus>(place);
   serialize_inside(archive, "minimizer", [&] { minimizer_.serialize(archive); });
   std::size_t const disks = good_.size();
-  archive.visit("x", good_.x);
-  archive.visit("y", good_.y);
+  serialize_places(archive, good_, settings_.minimizer.box_shape);
   archive.visit("radius", good_.radius);
   archive.require(good_.x.size() == disks && good_.y.size() == disks && good_.radius.size() == disks,
                   "a ramp of pressure has another number of positions than of disks");

@@ -44,6 +44,8 @@ ForceSums& ForceSums::operator+=(ForceSums const& part) {
   force_squares += part.force_squares;
   power += part.power;
   speed_squares += part.speed_squares;
+  pure_shear += part.pure_shear;
+  simple_shear += part.simple_shear;
   return *this;
 }
 
@@ -104,28 +106,34 @@ double SoftForces::update_rows(Packing const& packing) {
   };
   bool const is_first = built_radii_.size() != packing.size();
   rows_.resize(packing.size());
+  // x ← a x + b y, y ← c y deforms the box of the last search into the present one.
+  double const a = packing.box.width() / built_box_.width();
+  double const c = packing.box.height() / built_box_.height();
+  double const b = (packing.box.shift() - a * built_box_.shift()) / built_box_.height();
   auto const [growth, square] = sum_over_blocks<Drift>(packing.size(), pool_, [&](std::size_t first, std::size_t end) {
     Drift drift;
     for (std::size_t i = first; i < end; ++i) {
       rows_[i] = {.x = packing.x[i], .radius = packing.radius[i], .y = packing.y[i]};
       if (is_first) continue;
-      double const dx = packing.x[i] - built_at_.x[i];
-      double const dy = packing.y[i] - built_at_.y[i];
+      double const dx = packing.x[i] - (a * built_at_.x[i] + b * built_at_.y[i]);
+      double const dy = packing.y[i] - c * built_at_.y[i];
       drift += {.growth = packing.radius[i] - built_radii_[i], .square = dx * dx + dy * dy};
     }
     return drift;
   });
-  return is_first ? std::numeric_limits<double>::infinity() : 2.0 * (std::sqrt(square) + growth);
+  double const strain = std::abs(a - 1.0) + std::abs(b) + std::abs(c - 1.0);
+  return is_first ? std::numeric_limits<double>::infinity() : 2.0 * (std::sqrt(square) + growth) + strain * longest_;
 }
 
 void SoftForces::refresh(Packing const& packing) {
   bool const is_far = !(update_rows(packing) < skin_);
-  if (is_far || packing.box != box_) build(packing);
+  if (is_far) build(packing);
+  if (packing.box != box_) take_box(packing.box);
 }
 
 void SoftForces::build(Packing const& packing) {
   double const largest = largest_contact_distance(packing.radius);
-  take_box(packing.box);
+  built_box_ = packing.box;
   skin_ = skin_of_smallest_ * smallest_diameter(packing);
   if (packing.box.is_periodic() && packing.size() > 1) {
     double const half = 0.5 * std::min(packing.box.width(), packing.box.height());
@@ -139,6 +147,7 @@ void SoftForces::build(Packing const& packing) {
                    .key = "disks"});
     }
   }
+  longest_ = largest + skin_;
   std::size_t const disks = packing.size();
   built_at_.x = packing.x;
   built_at_.y = packing.y;
@@ -324,6 +333,18 @@ void SoftForces::push_from_walls(Packing const& packing, std::size_t first, std:
   }
 }
 
+template <bool is_half>
+void SoftForces::add_shear(Touching const& touching, std::size_t count, ForceSums& sums) {
+  for (std::size_t k = 0; k < count; ++k) {
+    bool const counts = is_half || touching.second[k] > touching.first[k];
+    if (touching.overlap[k] <= 0.0 || touching.square[k] == 0.0 || !counts) continue;
+    double const dx = touching.dx[k];
+    double const dy = touching.dy[k];
+    sums.pure_shear += 0.5 * touching.scale[k] * (dx * dx - dy * dy);
+    sums.simple_shear += touching.scale[k] * (dx * dy);
+  }
+}
+
 /// Computes the forces on a block of disks. With is_half every pair is in the list of its lower number alone and gives
 /// its force to both disks, before the higher disk's own list is reached. Otherwise each disk adds all its forces
 /// itself, in the same order.
@@ -364,6 +385,7 @@ ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velo
     if (is_half || j > i)
       sums.count(Law(potential).energy(touching.overlap[k]), touching.force[k], touching.overlap[k]);
   }
+  if (adds_up_shear_) add_shear<is_half>(touching, count, sums);
   if (!packing.box.is_periodic()) push_from_walls<potential>(packing, first, end, forces, sums);
   for (std::size_t i = first; i < end; ++i) {
     double const square = force_x[i] * force_x[i] + force_y[i] * force_y[i];

@@ -29,6 +29,8 @@ struct ForceSums {
   double force_squares = 0.0;   ///< Σ F²
   double power = 0.0;           ///< Σ F·v
   double speed_squares = 0.0;   ///< Σ v²
+  double pure_shear = 0.0;      ///< Σ ½ f r (n_x² − n_y²) over contacts; 0 where it is not asked for, as the next
+  double simple_shear = 0.0;    ///< Σ f r n_x n_y over contacts
 
   ForceSums& operator+=(ForceSums const& part);
   /// Adds a contact.
@@ -60,6 +62,9 @@ class SoftForces {
  public:
   SoftForces(Packing const& packing, Potential potential, std::uint64_t threads);
 
+  /// Lets evaluate() add up pure_shear and simple_shear too.
+  void add_up_shear() { adds_up_shear_ = true; }
+
   /// Computes forces at these positions and radii; `velocities` are used for the sums only.
   ForceSums evaluate(Packing const& packing, Columns const& velocities, Columns& forces);
 
@@ -87,7 +92,8 @@ class SoftForces {
 
   void refresh(Packing const& packing);
   void build(Packing const& packing);
-  /// Copies the disks to rows_. Returns the largest distance by which two can have approached since the last search.
+  /// Copies the disks to rows_. Returns the largest distance by which two that are not listed can have approached since
+  /// the last search, also by a deformation of the box.
   double update_rows(Packing const& packing);
   template <Potential potential, bool is_half>
   ForceSums evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces, std::size_t first,
@@ -107,6 +113,9 @@ class SoftForces {
   ForceSums evaluate_all(Packing const& packing, Columns const& velocities, Columns& forces);
   /// Computes the shifts of images for a box.
   void take_box(Box const& box);
+  /// Adds the shear of contacts that have been computed.
+  template <bool is_half>
+  static void add_shear(Touching const& touching, std::size_t count, ForceSums& sums);
   /// Returns the shift of the image of an entry.
   [[nodiscard]] Vector shift_of(std::uint32_t entry) const;
   [[nodiscard]] std::uint32_t entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const;
@@ -114,6 +123,8 @@ class SoftForces {
   Potential potential_;
   double skin_of_smallest_ = 0.25;  ///< skin in smallest diameters
   double skin_ = 0.0;               ///< skin at the last search
+  double longest_ = 0.0;            ///< largest contact distance plus skin, at the last search
+  bool adds_up_shear_ = false;
   Columns built_at_;
   std::vector<double> built_radii_;
   std::vector<std::size_t> begin_;
@@ -121,7 +132,8 @@ class SoftForces {
   std::vector<std::uint32_t> entries_;
   std::vector<std::uint32_t> owners_;  ///< disk whose list has the entry
   std::vector<SoftDiskRow> rows_;
-  Box box_;                           ///< box at the last search
+  Box built_box_;                     ///< box at the last search
+  Box box_;                           ///< box of the shifts
   std::array<double, 8> shifts_x_{};  ///< shift in x of an image, by the middle bits of an entry
   std::array<double, 8> shifts_y_{};  ///< shift in y of an image, by the upper bits of an entry
   std::array<double, 8> slants_{};    ///< further shift in x of an image in an oblique box, by the upper bits

@@ -77,7 +77,9 @@ ForceSums SteepestDescent::step(Packing& packing, SoftForces& forces, Potential 
     // The error grows with the third power of the time. A fourth root is safe and gives the same bits everywhere.
     time_ *= std::clamp(0.8 / std::sqrt(std::sqrt(std::max(error, 1e-9))), 0.2, is_good ? 3.0 : 0.6);
     if (is_good) {
-      std::swap(force, force_);
+      // `force` may have a row more, for the box.
+      std::ranges::copy(force_.x, force.x.begin());
+      std::ranges::copy(force_.y, force.y.begin());
       return sums;
     }
     packing.x = from_.x;

@@ -126,8 +126,10 @@ Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(st
   for (StageSettings const& stage : settings_.stages) {
     StageRecord const& record = stage_record(stage.kind);
     if (record.has_soft_disks) require_equal_edges(start.box);
-    if (record.needs_images && !start.box.is_periodic()) {
-      throw Error({.what = fmt::format("a stage \"{}\" in a box that is {}", record.name, edges_in_words(start.box)),
+    bool const is_box_free = stage.box_shape == BoxShape::free;
+    if ((record.needs_images || is_box_free) && !start.box.is_periodic()) {
+      throw Error({.what = fmt::format("a stage \"{}\"{} in a box that is {}", record.name,
+                                       is_box_free ? " with box_shape = \"free\"" : "", edges_in_words(start.box)),
                    .hint = "it needs a box without walls: box.edge = \"periodic\"",
                    .key = "box.edge"});
     }

@@ -21,6 +21,7 @@ namespace gridlock {
 namespace {
 
 constexpr std::array<std::string_view, 2> potential_names{"harmonic", "hertzian"};
+constexpr std::array<std::string_view, 2> box_shape_names{"fixed", "free"};
 constexpr std::array<std::string_view, 2> deformation_names{"simple_shear", "pure_shear"};
 
 /// Lists the names of the optional settings that are given.
@@ -109,6 +110,11 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                  .max = max_packing_fraction_of_stages,
                  .default_note = "as it is"},
                 settings.packing_fraction);
+  visit_enum(visitor,
+             {.key = "box_shape",
+              .documentation = "quench, compress, decompress: free: pure and simple shear of a periodic box at constant "
+                               "area belong to the minimum, which then has no shear stress and is stable against shear."},
+             box_shape_names, settings.box_shape);
   visitor.visit({.key = "until_packing_fraction",
                  .documentation = "grow, compress, decompress: where the stage ends.",
                  .min = min_packing_fraction,

@@ -14,7 +14,7 @@ namespace gridlock {
 namespace {
 
 QuasistaticShearSettings shear_settings(StageSettings const& stage, ProtocolSettings const& protocol) {
-  QuasistaticShearSettings settings{.minimizer = minimizer_settings(protocol), .deformation = stage.deformation};
+  QuasistaticShearSettings settings{.minimizer = minimizer_settings(protocol, stage), .deformation = stage.deformation};
   settings.step = stage.strain_step.value_or(settings.step);
   settings.until_strain = stage.until_strain.value_or(settings.until_strain);
   settings.until_stress = stage.until_stress.value_or(settings.until_stress);
@@ -31,7 +31,6 @@ class ShearStage final : public Stage {
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     if (!shear_.advance(should_continue)) return false;
-    state.box = shear_.packing().box;
     write_packing(shear_.packing(), state);
     auto const image_x = state.agents.column<ImageX>();
     auto const image_y = state.agents.column<ImageY>();

@@ -14,8 +14,11 @@
 
 namespace gridlock {
 
-MinimizerSettings minimizer_settings(ProtocolSettings const& protocol) {
-  return {.potential = protocol.soft.potential, .residual = protocol.soft.residual, .threads = protocol.threads};
+MinimizerSettings minimizer_settings(ProtocolSettings const& protocol, StageSettings const& stage) {
+  return {.potential = protocol.soft.potential,
+          .box_shape = stage.box_shape,
+          .residual = protocol.soft.residual,
+          .threads = protocol.threads};
 }
 
 void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result) {
@@ -51,7 +54,8 @@ class QuenchStage final : public Stage {
  public:
   QuenchStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
       : soft_(protocol.soft),
-        minimizer_(minimizer_settings(protocol), quenched_packing(state, protocol.stages[number].packing_fraction)) {}
+        minimizer_(minimizer_settings(protocol, protocol.stages[number]),
+                   quenched_packing(state, protocol.stages[number].packing_fraction)) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     if (!minimizer_.advance(should_continue)) return false;
@@ -132,7 +136,7 @@ class RampStage final : public Stage {
   }
 
   static PressureRampSettings ramp_settings(StageSettings const& settings, ProtocolSettings const& protocol) {
-    PressureRampSettings ramp{.minimizer = minimizer_settings(protocol),
+    PressureRampSettings ramp{.minimizer = minimizer_settings(protocol, settings),
                               .packing_fraction = settings.until_packing_fraction};
     ramp.pressure = settings.until_pressure.value_or(ramp.pressure);
     ramp.levels_per_decade = settings.levels_per_decade.value_or(ramp.levels_per_decade);
@@ -230,7 +234,7 @@ class SeparateStage final : public Stage {
 
 StageRecord quench_stage() {
   return {.name = "quench",
-          .settings = {"packing_fraction"},
+          .settings = {"packing_fraction", "box_shape"},
           .leaves_overlaps = true,
           .has_soft_disks = true,
           .may_end_without_pressure = true,
@@ -242,11 +246,11 @@ StageRecord quench_stage() {
           .make = make_stage<QuenchStage>};
 }
 
-StageRecord compress_stage() { return ramp_stage(compress_name, {"until_packing_fraction", "until_pressure", "step"}); }
+StageRecord compress_stage() { return ramp_stage(compress_name, {"box_shape", "until_packing_fraction", "until_pressure", "step"}); }
 
 StageRecord decompress_stage() {
   StageRecord record =
-      ramp_stage(decompress_name, {"until_packing_fraction", "until_pressure", "levels_per_decade", "step"});
+      ramp_stage(decompress_name, {"box_shape", "until_packing_fraction", "until_pressure", "levels_per_decade", "step"});
   record.require_start = require_pressing;
   return record;
 }
@@ -262,8 +266,10 @@ StageRecord separate_stage() {
 void write_packing(Packing const& packing, State& state) {
   Disks& disks = state.agents;
   std::vector<std::uint32_t> const rows = rows_in_order(disks.ids());
+  state.box = packing.box;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::size_t const row = rows[i];
+    disks.column<ImageX>()[row] += packing.widths_shifted_back * disks.column<ImageY>()[row];
     Vector p{packing.x[i], packing.y[i]};
     int crossed_x = 0;
     int crossed_y = 0;

@@ -90,12 +90,13 @@ std::unique_ptr<Stage> make_stage(ProtocolSettings const& protocol, std::size_t 
 /// Returns the packing fraction at which a stage ends; nothing if it ends at a pressure.
 std::optional<double> packing_fraction_at_end(StageSettings const& stage, std::optional<double> before);
 
-/// Writes positions and radii into the state that the packing was made of, and counts the edges that disks crossed.
+/// Writes the box, positions and radii into the state that the packing was made of, and counts the edges that disks
+/// crossed.
 void write_packing(Packing const& packing, State& state);
 
 // For stages of soft disks.
 
-MinimizerSettings minimizer_settings(ProtocolSettings const& protocol);
+MinimizerSettings minimizer_settings(ProtocolSettings const& protocol, StageSettings const& stage);
 /// Adds the results that follow from the contacts at the end of a stage.
 void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result);
 

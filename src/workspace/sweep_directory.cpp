@@ -98,6 +98,16 @@ bool SweepDirectory::is_of_sweep() const {
 }
 
 void SweepDirectory::open() const {
+  try {
+    look_and_open();
+  } catch (Error const&) {
+    // Another shard may have begun this sweep between two looks.
+    if (!settings_.shard || !is_of_sweep()) throw;
+    look_and_open();
+  }
+}
+
+void SweepDirectory::look_and_open() const {
   std::vector<std::filesystem::path> tables;
   for (char const* name : {sweep_plan_name, "sweep.csv", "means.csv"}) tables.push_back(settings_.directory / name);
   std::vector<std::filesystem::path> const inputs = this->inputs();

@@ -37,6 +37,7 @@ class SweepDirectory {
 
  private:
   [[nodiscard]] bool is_of_sweep() const;
+  void look_and_open() const;
   void protect_runs(std::vector<std::filesystem::path> const& inputs) const;
   [[nodiscard]] std::vector<std::filesystem::path> inputs() const;
   [[nodiscard]] std::string difference_from_recorded(std::size_t run, Setup const& setup) const;

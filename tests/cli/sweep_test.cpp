@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <memory>
 #include <thread>
 
 #include "cli/program.hpp"
@@ -78,6 +79,20 @@ TEST(Sweep, InShardsAndCollectedHasTheSameRowsAsAWhole) {
   EXPECT_EQ(rows_of(workplace / "whole"), rows_of(workplace / "shared"));
   EXPECT_EQ(rows_of(workplace / "whole"), rows_of(workplace / "joined"));
   EXPECT_TRUE(fs::exists(workplace / "joined/runs/packing_fraction=0.6_seed=2/final.xyz"));
+}
+
+TEST(Sweep, MayBeBegunByAllShardsAtOnce) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3, 0.5"));
+  for (std::string const directory : {"out1", "out2", "out3"}) {
+    std::vector<std::unique_ptr<Process>> shards;
+    for (char const* shard : {"1/4", "2/4", "3/4", "4/4"}) {
+      std::vector<std::string> const command{"sweep", "s.toml", "--no-pictures", "-o", directory, "--shard", shard};
+      shards.push_back(std::make_unique<Process>(GRIDLOCK_PROGRAM, command, workplace.path()));
+    }
+    for (auto const& shard : shards) expect_good(shard->wait());
+  }
+  expect_good(in(workplace.path(), {"collect", "out1"}));
 }
 
 TEST(Sweep, RefusesAShardThatIsNone) {

@@ -65,12 +65,20 @@ double simple_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& n
 /// Returns the modulus that a finite pure shear x ← x e^(γ/2), y ← y e^(−γ/2) sees: G_xx−yy − p/2.
 double pure_shear_modulus(ElasticModuli const& moduli, ContactNetwork const& network);
 
-/// Returns the motion of the disks of a minimum as all radii grow: du/d ln R, a displacement for each disk; 0 for
-/// rattlers.
+/// The motion of a packing as all radii grow, per d ln R.
+struct GrowthResponse {
+  std::vector<Vector> displacement;  ///< of each disk, in addition to the deformation of the box; 0 for rattlers
+  double pure_shear = 0.0;           ///< strains of a box whose shape is free, as the next
+  double simple_shear = 0.0;
+};
+
+/// Returns the motion of a minimum as all radii grow.
 ///
 /// H u = ∂F/∂ln R, with the Hessian H of the backbone (in a periodic box one disk is fixed) and the force F on the
-/// disks. Returns nothing where find_elastic_moduli() returns nothing. Cost: that of find_elastic_moduli().
-std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& network);
+/// disks; where the shape of the box is free, also with the strains that keep the shear stress at 0. Returns nothing
+/// where find_elastic_moduli() returns nothing, and for a free box that is not stable against shear. Cost: that of
+/// find_elastic_moduli().
+std::optional<GrowthResponse> find_growth_response(ContactNetwork const& network, BoxShape shape = BoxShape::fixed);
 
 /// A vibration of the backbone.
 struct VibrationMode {

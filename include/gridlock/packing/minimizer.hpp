@@ -19,9 +19,11 @@
 
 namespace gridlock {
 
-/// The settings of a minimization. A residual is the largest net force on a disk over the mean contact force.
+/// The settings of a minimization. A residual is the largest net force on a disk over the mean contact force; where the
+/// shape of the box is free, √A |σ| of the shear stress σ is one of these forces.
 struct MinimizerSettings {
   Potential potential = Potential::harmonic;
+  BoxShape box_shape = BoxShape::fixed;
   double residual = 1e-8;              ///< residual at which the minimum is found
   double descent_residual = 0.01;      ///< residual at which steepest descent ends; infinity: at once
   double quasi_newton_residual = 1.0;  ///< residual below which L-BFGS replaces FIRE; 0: never
@@ -58,16 +60,21 @@ char const* to_text(MinimumStatus status);
 /// not halve the residual, L-BFGS is used down to a tenth of it. No step of these methods moves a disk by more than 0.1
 /// D.
 ///
+/// With `box_shape = free` the energy is also minimized over pure and simple shear of the box at constant area, once
+/// steepest descent has ended: at the minimum no shear stress is left, and every shear costs energy. With the two
+/// strains as unknowns, a packing at the jamming transition needs two contacts more.
+///
 /// At a saddle, where forces balance and a curvature is below −1e-7 ε/D², all disks are displaced by 1e-4 D and the
 /// search continues downhill; not if `newton_residual` is 0 or `residual` is above 10⁻³. Overlaps near the rounding of
 /// positions limit the residual: it counts as reached at 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean
 /// overlap. The bits do not depend on threads or interruptions: each disk adds its forces in the order of the numbers
 /// of its neighbours.
-/// Errors: Error for a packing that find_contacts() refuses, and settings out of range.
+/// Errors: Error for a packing that find_contacts() refuses, settings out of range, and a free box with walls.
 /// Cost: 15 to 30 ns a disk and evaluation of the forces, with one evaluation for an iteration of FIRE or L-BFGS, 2 to
 /// 200 for a step of steepest descent; 0.2 s for a Newton step of 10⁴ disks. Sources: B. P. Sommeijer et al. (1998),
 /// doi:10.1016/S0377-0427(97)00219-7; J. Guénolé et al. (2020), doi:10.1016/j.commatsci.2020.109584; D. C. Liu and J.
-/// Nocedal (1989), doi:10.1007/BF01589116.
+/// Nocedal (1989), doi:10.1007/BF01589116; the free box: S. Dagois-Bohy et al. (2012),
+/// doi:10.1103/PhysRevLett.109.095703.
 class Minimizer {
  public:
   Minimizer(MinimizerSettings const& settings, Packing packing);

@@ -25,6 +25,7 @@
 
 #include "gridlock/core/archive.hpp"
 #include "gridlock/packing/contact_network.hpp"
+#include "gridlock/packing/elasticity.hpp"
 #include "gridlock/packing/minimizer.hpp"
 
 namespace gridlock {
@@ -147,7 +148,7 @@ class PressureRamp {
 
   PressureRampSettings settings_;
   Packing good_;                                 ///< the last accepted minimum
-  std::optional<std::vector<Vector>> response_;  ///< find_growth_response() of good_, once it is needed
+  std::optional<GrowthResponse> response_;       ///< find_growth_response() of good_, once it is needed
   Minimizer minimizer_;
   RampStatus status_ = RampStatus::running;
   bool has_minimum_ = false;

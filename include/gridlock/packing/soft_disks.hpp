@@ -25,12 +25,18 @@ namespace gridlock {
 /// or 5/2 (Hertzian). All energies are in units of ε.
 enum class Potential { harmonic, hertzian };
 
+/// Whether the shape of a periodic box is given, or found together with the positions.
+enum class BoxShape { fixed, free };
+
 /// Positions and radii of disks at rest.
 struct Packing {
   Box box{1.0, 1.0, Edge::periodic};
   std::vector<double> x;
   std::vector<double> y;
   std::vector<double> radius;
+  /// Number of widths by which the shift of the box has been reduced since the packing was made. A disk that had
+  /// crossed m edges of y then has crossed m times as many edges of x more.
+  std::int32_t widths_shifted_back = 0;
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
 };

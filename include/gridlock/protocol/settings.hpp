@@ -25,6 +25,7 @@ struct StageSettings {
   std::string kind = "quench";                     ///< one of stage_kinds()
   std::optional<double> rate;                      ///< grow: growth rate γ
   std::optional<double> packing_fraction;          ///< quench: packing fraction at which it is made
+  BoxShape box_shape = BoxShape::fixed;            ///< quench, compress, decompress
   std::optional<double> until_packing_fraction;    ///< grow, compress, decompress
   std::optional<double> until_pressure;            ///< grow: reduced pressure; compress, decompress: pressure in ε/D²
   std::optional<double> until_time;                ///< run
