@@ -274,7 +274,7 @@ std::string text_of_stage(Event const& event) {
     default:
       return fmt::format(
           "the packing of {}, is unstable against shear: its least shear modulus is {:.3g}, since the box keeps its "
-          "shape",
+          "shape; with box_shape = \"free\" packings are stable",
           stage, of.number("least_shear_modulus"));
   }
 }

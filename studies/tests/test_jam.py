@@ -22,7 +22,8 @@ TINY = dataclasses.replace(
     jam.quick(), name="tiny", quench_starts=((24, 6), (36, 4)), quench_densities=(0.7, 0.83, 0.9), decompressed_disks=36,
     decompressed_starts=3, large_disks=64, large_starts=1, fluid_densities=((0.4, 20.0), (0.7, 20.0)), fluid_disks=36, fluid_starts=2,
     growth_rates=(5e-2,), growth_disks=36, growth_starts=2, equal_disks=36, equal_starts=2,
-    sheared_disks=36, sheared_starts=2, sheared_strain=0.6, flow_disks=36, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=0.5)
+    sheared_disks=36, sheared_starts=2, sheared_strain=0.6, flow_disks=36, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=0.5,
+    slow_disks=36, slow_starts=2, slow_strain=0.5, slow_densities=(0.86, 0.9))
 
 
 def rows_of(file):
@@ -41,9 +42,9 @@ def test_every_figure_is_made_with_its_data(whole):
     directory, made = whole
     assert made.notes == []
     names = {path.name for path in pathlib.Path(directory).iterdir() if not path.name.startswith(".")}
-    expected = {f"figure_{number}.{ending}" for number in range(1, 10) for ending in ("csv", "svg", "png")}
+    expected = {f"figure_{number}.{ending}" for number in range(1, 11) for ending in ("csv", "svg", "png")}
     assert names == expected | {"runs.csv", "report.html"}
-    assert {claim.where for claim in made.claims} == {f"Figure {number}" for number in range(1, 10)}
+    assert {claim.where for claim in made.claims} == {f"Figure {number}" for number in range(1, 11)}
     text = (directory / "report.html").read_text(encoding="utf-8")
     for claim in made.claims:
         assert claim.where in text
@@ -86,7 +87,7 @@ def test_a_study_continues_where_it_was_stopped(tmp_path, whole):
     with pytest.raises(jam.Stopped):
         jam.make(tmp_path, TINY, progress=stop)
     jam.make(tmp_path, TINY)
-    for number in range(1, 10):
+    for number in range(1, 11):
         name = f"figure_{number}.csv"
         assert (tmp_path / name).read_text() == (directory / name).read_text(), name
 
@@ -144,7 +145,7 @@ def test_no_excess_in_a_marginal_packing(whole):
 
 
 @pytest.mark.parametrize(("arguments", "complaint"), [
-    (["--figure", "10"], "--figure must be a whole number, from 1 to 9, but is 10"),
+    (["--figure", "11"], "--figure must be a whole number, from 1 to 10, but is 11"),
     (["--wrong"], "gridlock jam has no option --wrong"),
     (["--quick", "--full"], "--quick and --full cannot be given together"),
     (["extra"], "one word too many"),
@@ -157,8 +158,8 @@ def test_bad_use_is_refused(capsys, arguments, complaint):
 def test_impossible_arguments_are_refused(tmp_path):
     with pytest.raises(gridlock.Error, match="no extent"):
         jam.make(tmp_path, "large")
-    with pytest.raises(gridlock.Error, match="no Figure 10"):
-        jam.make(tmp_path, TINY, 10)
+    with pytest.raises(gridlock.Error, match="no Figure 11"):
+        jam.make(tmp_path, TINY, 11)
 
 
 def test_the_help_needs_no_packages():

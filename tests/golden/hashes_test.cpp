@@ -108,7 +108,7 @@ std::string row_name(testing::TestParamInfo<Row> const& row) { return row.param.
 INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(rows()), row_name);
 
 /// Scenes of a protocol alone: no engine moves the disks after it.
-constexpr std::array<char const*, 2> protocols{"jamming", "shear"};
+constexpr std::array<char const*, 3> protocols{"jamming", "shear", "shear_stable"};
 
 TEST(GoldenProtocol, OfEachSceneGivesTheBitsOfTheTable) {
   for (char const* const scene : protocols) {

@@ -9,7 +9,7 @@ from ..command import StudyCommand, run
 COMMAND = StudyCommand(
     name="gridlock jam",
     description="Jam disks by quench, growth and decompression, shear them, and compare with published numbers",
-    figures=(1, 9),
+    figures=(1, 10),
     quick="few starts of 64 and 256 disks, at most three minutes on two cores",
     full="more starts and larger systems",
     directory="results/jam",

@@ -41,6 +41,11 @@ class Extent:
     flow_starts: int
     flow_rates: tuple[float, ...]
     flow_strain: float
+    #: Figure 10: slow shear in long steps, from whose pressures jamming is extrapolated.
+    slow_disks: int
+    slow_starts: int
+    slow_strain: float
+    slow_densities: Densities
 
 
 def quick() -> Extent:
@@ -51,6 +56,7 @@ def quick() -> Extent:
         fluid_densities=((0.4, 200.0), (0.6, 400.0), (0.7, 1000.0), (0.74, 2000.0), (0.775, 5000.0)), fluid_disks=256, fluid_starts=10,
         growth_rates=(2e-2, 2e-3, 4e-4), growth_disks=256, growth_starts=4, equal_disks=256, equal_starts=3,
         sheared_disks=64, sheared_starts=6, sheared_strain=1.5, flow_disks=256, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=6.0,
+        slow_disks=256, slow_starts=3, slow_strain=1.0, slow_densities=(0.85, 0.86, 0.87),
     )
 
 
@@ -63,5 +69,6 @@ def full() -> Extent:
         fluid_densities=((0.4, 400.0), (0.6, 1000.0), (0.7, 2000.0), (0.74, 4000.0), (0.76, 10000.0), (0.775, 10000.0)),
         fluid_disks=256, fluid_starts=24, growth_rates=(2e-2, 2e-3, 2e-4), growth_disks=256, growth_starts=8, equal_disks=256,
         equal_starts=8, sheared_disks=64, sheared_starts=12, sheared_strain=2.5, flow_disks=256, flow_starts=4,
-        flow_rates=(1e-2, 1e-3, 1e-4), flow_strain=10.0,
+        flow_rates=(1e-2, 1e-3, 1e-4), flow_strain=10.0, slow_disks=256, slow_starts=12, slow_strain=2.0,
+        slow_densities=(0.85, 0.855, 0.86, 0.865, 0.87),
     )

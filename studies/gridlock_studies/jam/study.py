@@ -9,7 +9,7 @@ from ..making import Made as Jamming
 from ..making import Part, Progress, Stopped, Study, as_extent, carry_out
 from ..report import Texts
 from . import extent as extents
-from . import figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_9
+from . import figure_1, figure_10, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_9
 from .context import Context
 from .extent import Extent
 
@@ -30,7 +30,7 @@ def _write_runs(context: Context) -> None:
 
 STUDY = Study(
     parts=tuple(Part(number, figure.plan, figure.make) for number, figure in enumerate(
-        (figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_9), start=1)),
+        (figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_9, figure_10), start=1)),
     texts=Texts(
         name="the study of jamming",
         title="Where disks jam, and how",
@@ -41,8 +41,8 @@ STUDY = Study(
     seconds_of_work=1.0,
     context=Context,
     write_runs=_write_runs,
-    tables=("runs", *(f"figure_{number}" for number in range(1, 10))),
-    pictures=tuple(f"figure_{number}" for number in range(1, 10)),
+    tables=("runs", *(f"figure_{number}" for number in range(1, 11))),
+    pictures=tuple(f"figure_{number}" for number in range(1, 11)),
 )
 
 
@@ -61,7 +61,7 @@ def make(
     :param directory: where each figure is written as data (``figure_*.csv``), SVG and PNG; ``runs.csv`` with every run, its settings
         and state hash; and ``report.html``, which holds all pictures, claims and verdicts and needs no other file.
     :param extent: "quick", half a minute on two cores; "full", more starts and larger systems; or an :class:`Extent`.
-    :param figure: 1 to 9 alone; None: all of them.
+    :param figure: 1 to 10 alone; None: all of them.
     :param seed: the seeds of the runs are this one and those after it. The numbers follow from it alone.
     :param threads: simulations at a time; None: one for each core.
     :param overwrite: whether everything is made again, also what an interrupted study has kept.

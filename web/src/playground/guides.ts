@@ -90,6 +90,11 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     see: "The chart *Stress against strain*: where it rises the packing answers as a solid, where it drops at once some disks slip past others. Lines are forces, the thicker the stronger.",
     ask: "Which of the two packings is stiffer, and which slips first? Does another *Seed* slip at the same strain?",
   },
+  shear_stable: {
+    act: "Press *Run*: the disks are pushed apart at φ = 0.86, then their radii shrink until they hardly press. The box may change its shape meanwhile.",
+    see: "The box has become oblique, and *Stable against shear* says yes: two contacts more than needed hold every shear. In the scene jamming it says no.",
+    ask: "Why are two contacts more needed, not one and not three? In how many ways can the box change its shape without changing its area?",
+  },
   flow: {
     act: "Press *Run* and watch a disk near the top and one near the bottom. Then set *Shear rate γ̇* to 0.01, and to 0.",
     see: "Rows slide over each other, the upper ones faster. A disk that leaves at the top comes back below, each time farther along.",

@@ -20,6 +20,7 @@ const COLOURS: Readonly<Record<string, string>> = {
   mixture: "plain",
   jamming: "plain",
   shear: "plain",
+  shear_stable: "plain",
   flow: "plain",
   soft: "plain",
   soft_liquid: "plain",

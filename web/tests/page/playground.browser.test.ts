@@ -49,7 +49,7 @@ describe("every scene", () => {
     test(`${scene.name} opens, runs and is drawn`, { timeout: 120_000 }, async () => {
       await withPlayground(`#scene=${scene.name}`, async ({ page, user }) => {
         expect(await page.getByRole("combobox", { name: "Scene" }).inputValue()).toBe(scene.name);
-        const isPacking = ["jamming", "shear"].includes(scene.name);
+        const isPacking = ["jamming", "shear", "shear_stable"].includes(scene.name);
         const before = await user.hash();
         if (isPacking) {
           await user.press("Run");
