@@ -56,7 +56,7 @@ def quick() -> Extent:
         fluid_densities=((0.4, 200.0), (0.6, 400.0), (0.7, 1000.0), (0.74, 2000.0), (0.775, 5000.0)), fluid_disks=256, fluid_starts=10,
         growth_rates=(2e-2, 2e-3, 4e-4), growth_disks=256, growth_starts=4, equal_disks=256, equal_starts=3,
         sheared_disks=64, sheared_starts=6, sheared_strain=1.5, flow_disks=256, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=6.0,
-        slow_disks=256, slow_starts=3, slow_strain=1.0, slow_densities=(0.85, 0.86, 0.87),
+        slow_disks=256, slow_starts=6, slow_strain=0.6, slow_densities=(0.85, 0.86, 0.87),
     )
 
 

@@ -45,7 +45,7 @@ def _draw(pressures: dict[float, Estimate], jamming: Estimate | None) -> Figure:
         axes.plot(ends, slope * (ends - jamming.value), color=style.COLOURS[0], linewidth=0.7)
     for (name, density), linestyle in zip(PUBLISHED, ("dotted", style.DASHED, "solid")):
         axes.axvline(density, color=style.GREY, linestyle=linestyle, linewidth=0.7, label=name)
-    axes.set(ylim=(0.0, None))
+    axes.set(xlim=(0.84, None), ylim=(0.0, None))
     axes.legend(loc="upper left")
     return figure
 
