@@ -79,6 +79,19 @@ def test_a_packing_is_drawn_with_its_contacts_and_named_by_density_and_pressure(
         drawn(run.path, "displacement")
 
 
+def test_the_motions_in_the_largest_drop_of_a_shear_are_drawn(tmp_path, drawn):
+    shear = {"stage": "shear", "until_strain": 0.1, "min_drop": 1e-5}
+    gridlock.run({**SOFT, "protocol": [SOFT["protocol"][0], shear]}, tmp_path / "out")
+    run = gridlock.open(tmp_path / "out")
+    events, motions = run.table("shear_events"), run.table("shear_motions")
+    largest = np.argmax(events["stress_drop"])
+    axes = drawn(run.path)
+    arrows = axes["shear_event"].collections[0]
+    assert arrows.get_offsets() == pytest.approx(np.column_stack([motions[name][motions["event"] == largest + 1] for name in ("x", "y")]))
+    assert f"γ = {events['strain'][largest]:.5g}" in axes["shear_event"].get_title()
+    assert len(axes["shear"].lines) == 1 + len(events) > 1
+
+
 def test_no_level_of_a_stage_hides_that_of_another(tmp_path, drawn):
     gridlock.run(SOFT, tmp_path / "out")
     first, second = drawn(tmp_path / "out")["levels"].lines

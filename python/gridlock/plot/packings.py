@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
+    from ..box import Box
+
 #: Over the mean diameter: so wide is the line of the mean force, and the rim of a rattler. The strongest forces are at most three times as wide.
 MEAN_WIDTH = 0.1
 RIM = 0.04
@@ -168,6 +170,16 @@ def chart_levels(axes: Axes, levels: NDArray[Any], names: dict[float, str]) -> N
     axes.set(yscale="log", xlabel="packing fraction φ", ylabel="pressure P D²/ε")
     axes.locator_params(axis="x", nbins=5)
     axes.legend()
+
+
+def draw_event(axes: Axes, box: Box, event: Any, motions: NDArray[Any]) -> None:
+    """How disks moved against the affine motion in an event of shear: an arrow for each that moved, the longest a tenth of the box."""
+    length = np.hypot(motions["motion_x"], motions["motion_y"])
+    scale = 0.1 * box.width / length.max()
+    axes.quiver(motions["x"], motions["y"], scale * motions["motion_x"], scale * motions["motion_y"], length, cmap="viridis",
+                angles="xy", scale_units="xy", scale=1.0, width=0.004)
+    axes.set(aspect="equal", xlim=(0.0, box.width), ylim=(0.0, box.height), xticks=[], yticks=[])
+    axes.set_title(f"event at γ = {event['strain']:.5g}, motions × {scale:.2g}")
 
 
 def chart_shear(axes: Axes, minima: NDArray[Any], events: NDArray[Any]) -> None:

@@ -21,7 +21,7 @@ from ..simulation import Simulation
 from ..sweeps import SweepDirectory
 from .agents import colours_of, frame_of, snapshot, usual_colour
 from .charts import combinations, curve, distribution_of_runs, mark_contacts, reference, series, sweep, swept_number
-from .packings import chart_forces, chart_levels, chart_shear, chart_spectrum, packing
+from .packings import chart_forces, chart_levels, chart_shear, chart_spectrum, draw_event, packing
 from .style import COLUMN, axis_label, style
 
 #: More lines than that cannot be told apart.
@@ -193,12 +193,20 @@ def _draw_levels(artist: _Artist, run: RunDirectory) -> None:
         artist.chart("levels", lambda axes: chart_levels(axes, levels, names))
 
 
-def _draw_shear(artist: _Artist, run: RunDirectory) -> None:
-    """Stress against strain of each stage of shear, with a mark where the stress drops."""
+def _draw_shear(artist: _Artist, run: RunDirectory, last: Frame) -> None:
+    """Stress against strain of each stage of shear, with a mark where the stress drops, and the motions in the largest drop."""
     minima = run.table("shear")
     events = run.table("shear_events") if _has(run.path, "shear_events.csv") else minima[:0]
     if len(minima) > 1:
         artist.chart("shear", lambda axes: chart_shear(axes, minima, events))
+    if len(events) == 0 or not _has(run.path, "shear_motions.csv"):
+        return
+    event = events[np.argmax(events["stress_drop"])]
+    number = 1 + np.count_nonzero(events["stage"][: np.argmax(events["stress_drop"])] == event["stage"])
+    motions = run.table("shear_motions")
+    motions = motions[(motions["stage"] == event["stage"]) & (motions["event"] == number)]
+    if len(motions) > 0:
+        artist.agents("shear_event", last.box, lambda axes: draw_event(axes, last.box, event, motions), has_side=False)
 
 
 def _require_start_of_steps(first: Frame | None, run: RunDirectory) -> Frame:
@@ -235,7 +243,7 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
     if _has(run.path, "levels.csv"):
         _draw_levels(artist, run)
     if _has(run.path, "shear.csv"):
-        _draw_shear(artist, run)
+        _draw_shear(artist, run, last)
     _draw_curves(artist, run, last)
 
 
