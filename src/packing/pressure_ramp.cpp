@@ -145,8 +145,8 @@ void PressureRamp::try_packing_fraction(double packing_fraction) {
 bool PressureRamp::move_with_growth(Packing& packing, double growth) {
   if (pressure_ == 0.0) return false;
   if (!response_) {
-    response_ = find_growth_response(find_contact_network(good_, settings_.minimizer.potential),
-                                     settings_.minimizer.box_shape);
+    response_ =
+        find_growth_response(find_contact_network(good_, settings_.minimizer.potential), settings_.minimizer.box_shape);
   }
   if (!response_) return false;
   double const strain_squared =

@@ -35,25 +35,7 @@ void require(bool holds, std::string what, std::string hint, char const* key) {
 }
 
 QuasistaticShearSettings const& checked(QuasistaticShearSettings const& settings) {
-  double const strain = settings.until_strain;
-  require(settings.step > 0.0 && settings.step <= 0.1, fmt::format("steps of {} in strain", settings.step),
-          "use a number above 0 and at most 0.1: disks must still touch those that they touched",
-          "protocol.strain_step");
-  require(std::isfinite(strain) && strain != 0.0, fmt::format("a strain until {}", strain),
-          "give a number other than 0; below 0 it is the other direction", "protocol.until_strain");
-  require(settings.deformation == Deformation::simple_shear || std::abs(strain) <= 1.0,
-          fmt::format("pure shear until {}", strain), "use a strain between -1 and 1, or simple shear",
-          "protocol.until_strain");
-  double const steps = std::abs(strain) / settings.step *
-                       static_cast<double>(settings.cycles > 0 ? steps_of_cycle * settings.cycles : 1);
-  require(steps <= QuasistaticShearSettings::max_steps,
-          fmt::format("steps of {} until {} are {:.3g} minima, each of which is kept", settings.step, strain, steps),
-          fmt::format("use a longer step, for at most {:.0g}", QuasistaticShearSettings::max_steps),
-          "protocol.strain_step");
-  require(settings.accuracy > 0.0, fmt::format("an accuracy of {}", settings.accuracy), "use a number above 0",
-          "protocol.strain_accuracy");
-  require(settings.until_stress > 0.0, fmt::format("a stress until {}", settings.until_stress),
-          "use a number above 0, in ε/D²", "protocol.until_stress");
+  require_valid(settings);
   return settings;
 }
 
@@ -88,6 +70,28 @@ auto member_of(Part Item::*part, double Part::*member) {
 }
 
 }  // namespace
+
+void require_valid(QuasistaticShearSettings const& settings) {
+  double const strain = settings.until_strain;
+  require(settings.step > 0.0 && settings.step <= 0.1, fmt::format("steps of {} in strain", settings.step),
+          "use a number above 0 and at most 0.1: disks must still touch those that they touched",
+          "protocol.strain_step");
+  require(std::isfinite(strain) && strain != 0.0, fmt::format("a strain until {}", strain),
+          "give a number other than 0; below 0 it is the other direction", "protocol.until_strain");
+  require(settings.deformation == Deformation::simple_shear || std::abs(strain) <= 1.0,
+          fmt::format("pure shear until {}", strain), "use a strain between -1 and 1, or simple shear",
+          "protocol.until_strain");
+  double const steps = std::abs(strain) / settings.step *
+                       static_cast<double>(settings.cycles > 0 ? steps_of_cycle * settings.cycles : 1);
+  require(steps <= QuasistaticShearSettings::max_steps,
+          fmt::format("steps of {} until {} are {:.3g} minima, each of which is kept", settings.step, strain, steps),
+          fmt::format("use a longer step, for at most {:.0g}", QuasistaticShearSettings::max_steps),
+          "protocol.strain_step");
+  require(settings.accuracy > 0.0, fmt::format("an accuracy of {}", settings.accuracy), "use a number above 0",
+          "protocol.strain_accuracy");
+  require(settings.until_stress > 0.0, fmt::format("a stress until {}", settings.until_stress),
+          "use a number above 0, in ε/D²", "protocol.until_stress");
+}
 
 void serialize(Archive& archive, std::vector<ShearedMinimum>& minima) {
   std::uint64_t count = minima.size();

@@ -110,11 +110,12 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                  .max = max_packing_fraction_of_stages,
                  .default_note = "as it is"},
                 settings.packing_fraction);
-  visit_enum(visitor,
-             {.key = "box_shape",
-              .documentation = "quench, compress, decompress: free: pure and simple shear of a periodic box at constant "
-                               "area belong to the minimum, which then has no shear stress and is stable against shear."},
-             box_shape_names, settings.box_shape);
+  visit_enum(
+      visitor,
+      {.key = "box_shape",
+       .documentation = "quench, compress, decompress: free: pure and simple shear of a periodic box at constant "
+                        "area belong to the minimum, which then has no shear stress and is stable against shear."},
+      box_shape_names, settings.box_shape);
   visitor.visit({.key = "until_packing_fraction",
                  .documentation = "grow, compress, decompress: where the stage ends.",
                  .min = min_packing_fraction,

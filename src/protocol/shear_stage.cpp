@@ -65,8 +65,19 @@ class ShearStage final : public Stage {
 
 void check_shear(StageCheck const& check) {
   StageSettings const& stage = check.stage;
-  if (stage.until_strain && *stage.until_strain == 0.0)
+  if (stage.until_strain && *stage.until_strain == 0.0) {
     check.report("until_strain", "a stage \"shear\" cannot end at the strain 0", "give the strain at its end");
+    return;
+  }
+  if (stage.cycles && stage.until_stress) {
+    check.report("until_stress", "cycles of strain cannot end at a stress", "leave out cycles or until_stress");
+  }
+  try {
+    require_valid(shear_settings(stage, {}));
+  } catch (Error const& error) {
+    for (Problem const& problem : error.problems())
+      check.report(problem.key.substr(problem.key.find('.') + 1), problem.what, problem.hint);
+  }
   double const step = stage.strain_step.value_or(QuasistaticShearSettings{}.step);
   if (stage.strain_accuracy && *stage.strain_accuracy > step) {
     check.report("strain_accuracy",

@@ -246,11 +246,13 @@ StageRecord quench_stage() {
           .make = make_stage<QuenchStage>};
 }
 
-StageRecord compress_stage() { return ramp_stage(compress_name, {"box_shape", "until_packing_fraction", "until_pressure", "step"}); }
+StageRecord compress_stage() {
+  return ramp_stage(compress_name, {"box_shape", "until_packing_fraction", "until_pressure", "step"});
+}
 
 StageRecord decompress_stage() {
-  StageRecord record =
-      ramp_stage(decompress_name, {"box_shape", "until_packing_fraction", "until_pressure", "levels_per_decade", "step"});
+  StageRecord record = ramp_stage(
+      decompress_name, {"box_shape", "until_packing_fraction", "until_pressure", "levels_per_decade", "step"});
   record.require_start = require_pressing;
   return record;
 }

@@ -183,6 +183,12 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
        "strain_step = 1e-6"},
       {"stage = \"quench\"\ndeformation = \"pure_shear\"", "a stage \"quench\" has no setting deformation",
        "deformation = \"pure_shear\""},
+      {"stage = \"shear\"\ndeformation = \"pure_shear\"\nuntil_strain = 2.0", "pure shear until 2",
+       "until_strain = 2.0"},
+      {"stage = \"shear\"\nuntil_strain = 0.1\ncycles = 2\nuntil_stress = 1e-3", "cycles of strain cannot end at a stress",
+       "until_stress = 1e-3"},
+      {"stage = \"shear\"\nuntil_strain = 0.1\nbox_shape = \"free\"", "a stage \"shear\" has no setting box_shape",
+       "box_shape = \"free\""},
       {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
   };
   Workplace const workplace;
@@ -291,6 +297,11 @@ TEST(Protocol, ShearsTheBoxAndTellsTheStressAndItsDrops) {
   Outcome const walled = gridlock::test::gridlock({"check", scene, "--set", "box.edge=\"wall\""}, workplace.path());
   EXPECT_EQ(walled.exit_code, 2);
   EXPECT_NE(walled.err.find("a stage \"shear\" in a box that is walled"), std::string::npos) << walled.err;
+  Outcome const free = gridlock::test::gridlock(
+      {"check", (scenes / "shear_stable.toml").string(), "--set", "box.edge=\"wall\""}, workplace.path());
+  EXPECT_EQ(free.exit_code, 2);
+  EXPECT_NE(free.err.find("a stage \"quench\" with box_shape = \"free\" in a box that is walled"), std::string::npos)
+      << free.err;
   Outcome const hard = gridlock::test::gridlock(
       {"check", (scenes / "soft_liquid.toml").string(), "--set", "box.tilt=0.1"}, workplace.path());
   EXPECT_EQ(hard.exit_code, 2);

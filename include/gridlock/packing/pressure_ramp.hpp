@@ -147,8 +147,8 @@ class PressureRamp {
   [[nodiscard]] bool leads_down() const { return settings_.pressure < first_pressure_; }
 
   PressureRampSettings settings_;
-  Packing good_;                                 ///< the last accepted minimum
-  std::optional<GrowthResponse> response_;       ///< find_growth_response() of good_, once it is needed
+  Packing good_;                            ///< the last accepted minimum
+  std::optional<GrowthResponse> response_;  ///< find_growth_response() of good_, once it is needed
   Minimizer minimizer_;
   RampStatus status_ = RampStatus::running;
   bool has_minimum_ = false;

@@ -42,6 +42,9 @@ struct QuasistaticShearSettings {
   static constexpr double max_steps = 1e6;
 };
 
+/// Throws Error for settings out of range.
+void require_valid(QuasistaticShearSettings const& settings);
+
 /// A minimum at one strain. Stresses are in ε/D², D the smallest diameter, and tension is positive.
 struct ShearedMinimum {
   double strain = 0.0;
