@@ -96,6 +96,32 @@ void require_thermostat(EngineRecord const& engine, ThermostatSettings const& th
                .key = "thermostat.kind"});
 }
 
+/// Errors: Error for a drag of pairs in another engine, without inertia, or in a bath with a temperature.
+void require_pair_drag(EngineRecord const& engine, EngineSettings const& settings) {
+  if (!settings.pair_drag.exists()) return;
+  auto const refuse = [](std::string what, char const* hint) {
+    throw Error({.what = std::move(what), .hint = hint, .key = "pair_drag.coefficient"});
+  };
+  if (!engine.has_potential) {
+    refuse(fmt::format("the engine \"{}\" has no drag of pairs", engine.name),
+           "use engine.kind = \"soft\", or leave [pair_drag] out; collisions of \"exact\" lose energy by "
+           "collisions.restitution");
+  }
+  ThermostatSettings const& thermostat = settings.thermostat;
+  if (thermostat.kind == ThermostatKind::overdamped) {
+    refuse(
+        "disks without inertia have no velocities that a drag of pairs could slow down: they would follow from a "
+        "system of equations in each step",
+        "use thermostat.kind = \"none\", or \"langevin\" with temperature = 0.0");
+  }
+  if (thermostat.kind == ThermostatKind::langevin && thermostat.temperature != 0.0) {
+    refuse(
+        "a drag of pairs takes energy that the noise of the thermostat \"langevin\" does not give back, so the disks "
+        "would be colder than thermostat.temperature",
+        "use thermostat.temperature = 0.0, thermostat.kind = \"none\", or leave [pair_drag] out");
+  }
+}
+
 }  // namespace
 
 void require_known(EngineRecord const& engine, EngineSettings const& settings) {
@@ -106,6 +132,8 @@ void require_known(EngineRecord const& engine, EngineSettings const& settings) {
                  .key = std::move(key)});
   };
   require_thermostat(engine, settings.thermostat);
+  require_pair_drag(engine, settings);
+  if (engine.has_potential) require_valid(settings.potential);
   if (settings.flow.exists() && !engine.has_oblique_boxes) {
     throw Error({.what = fmt::format("the engine \"{}\" has no flow", engine.name),
                  .hint = "use engine.kind = \"soft\", or leave [flow] out",

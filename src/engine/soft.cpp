@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -69,13 +70,34 @@ void require_mobile_swimmers(EngineSettings const& settings, State const& state)
                .key = "propulsion.speed"});
 }
 
+/// Errors: Error for a time step in which a drag changes velocities so much that the steps might amplify them.
+void require_gentle_drag(EngineSettings const& settings, State const& state) {
+  if (!settings.pair_drag.exists()) return;
+  // A disk among six of its size loses at most nine times as much; twice its velocity would be too much.
+  constexpr double largest_share = 0.2;
+  auto const masses = state.agents.column<Mass>();
+  double const lightest = *std::ranges::min_element(masses);
+  double const share = settings.pair_drag.coefficient * step_duration(settings, state) / lightest;
+  if (share <= largest_share) return;
+  throw Error(
+      {.what = fmt::format("in one time step the drag of one neighbour would change the velocity of the lightest disk "
+                           "by {:.3g} of the relative velocity, more than {}",
+                           share, largest_share),
+       .hint = fmt::format("use a shorter engine.time_step, such as {:.1g}, or a lower pair_drag.coefficient",
+                           0.5 * settings.time_step * largest_share / share),
+       .key = "pair_drag.coefficient"});
+}
+
 /// Throws Error for the nearest two disks if they overlap so much that an unbounded potential would shoot them away.
 void require_small_overlaps(PotentialSettings const& potential, State const& state) {
   Disks const& disks = state.agents;
   if (is_bounded(potential.kind) || disks.size() < 2) return;
+  PairLaw const law(potential);
+  bool const is_of_table = potential.kind == PairPotential::table;
+  double const smallest = is_of_table ? law.table().first_distance() : smallest_distance;
   auto const radius = disks.column<Radius>();
   PointPairs const pairs = find_pairs_of_disks(
-      state.box, {.factor = smallest_distance},
+      state.box, {.factor = smallest},
       {.x = disks.column<X>().data(), .y = disks.column<Y>().data(), .count = disks.size()}, radius);
   double nearest = std::numeric_limits<double>::infinity();
   std::size_t worst = 0;
@@ -91,15 +113,22 @@ void require_small_overlaps(PotentialSettings const& potential, State const& sta
     worst = k;
   }
   if (pairs.size() == 0) return;
-  double const energy = PairLaw(potential).energy(nearest * nearest, 1.0);
-  throw Error(
-      {.what = fmt::format("{} pairs of disks are nearer than {} of the sum of their radii; disks {} and {} are "
-                           "at {:.3g}, where the potential \"{}\" has the energy {:.3g}",
-                           pairs.size(), smallest_distance, disks.ids()[pairs.first()[worst]],
-                           disks.ids()[pairs.second()[worst]], nearest, to_text(potential.kind), energy),
-       .hint = "begin a [[protocol]] with stage = \"quench\", or start from a lattice or random points without "
-               "overlaps",
-       .key = "disks"});
+  if (is_of_table) {
+    throw Error({.what = fmt::format("{} pairs of disks are nearer than the first distance {:.6g} of the table of the "
+                                     "potential; disks {} and {} are at {:.3g}",
+                                     pairs.size(), smallest, disks.ids()[pairs.first()[worst]],
+                                     disks.ids()[pairs.second()[worst]], nearest),
+                 .hint = "begin the table nearer, or a [[protocol]] with stage = \"quench\", or start without overlaps",
+                 .key = "disks"});
+  }
+  throw Error({.what = fmt::format(
+                   "{} pairs of disks are nearer than {} of the sum of their radii; disks {} and {} are "
+                   "at {:.3g}, where the potential \"{}\" has the energy {:.3g}",
+                   pairs.size(), smallest, disks.ids()[pairs.first()[worst]], disks.ids()[pairs.second()[worst]],
+                   nearest, to_text(potential.kind), law.energy(nearest * nearest, 1.0)),
+               .hint = "begin a [[protocol]] with stage = \"quench\", or start from a lattice or random points without "
+                       "overlaps",
+               .key = "disks"});
 }
 
 void require_soft_start(EngineSettings const& settings, State const& state) {
@@ -109,6 +138,7 @@ void require_soft_start(EngineSettings const& settings, State const& state) {
   validate(state, {.overlap = std::numeric_limits<double>::infinity()});
   require_mobile_swimmers(settings, state);
   require_flow(settings, state);
+  require_gentle_drag(settings, state);
   static_cast<void>(soft::list_reach(settings.potential, state.box, radius_range(state.agents)));
   require_small_overlaps(settings.potential, state);
 }

@@ -33,6 +33,7 @@ Stress::PairSums Stress::sum_over_pairs(Snapshot const& now) const {
   auto const mass = now.agents.column<Mass>();
   auto const vx = now.agents.column<VelocityX>();
   auto const vy = now.agents.column<VelocityY>();
+  auto const velocity = [&](std::size_t k) { return Vector{vx[k], vy[k]}; };
   std::array<ExactSum, 5> sums;
   now.pairs(law_.cutoff() * largest_contact_distance(radius), [&](NearPair const& pair) {
     std::size_t const i = pair.i;
@@ -41,12 +42,17 @@ Stress::PairSums Stress::sum_over_pairs(Snapshot const& now) const {
     double const square = squared_length(r);
     double const sigma = radius[i] + radius[j];
     double const push = law_.push(square, sigma);
+    Vector force = push * r;
+    if (dynamics_.pair_drag.exists() && square > 0.0 && square < sigma * sigma) {
+      Vector const flow{dynamics_.flow.shear_rate * r.y, 0.0};
+      force = force + dynamics_.pair_drag.force(r, velocity(j) - velocity(i) + flow);
+    }
     sums[0].add(law_.energy(square, sigma));
-    sums[1].add(-push * r.x * r.x);
-    sums[2].add(-push * r.x * r.y);
-    sums[3].add(-push * r.y * r.y);
+    sums[1].add(-force.x * r.x);
+    sums[2].add(-force.x * r.y);
+    sums[3].add(-force.y * r.y);
     if (dynamics_.propels) {
-      sums[4].add(push * (dot(r, {vx[j], vy[j]}) / mass[j] - dot(r, {vx[i], vy[i]}) / mass[i]));
+      sums[4].add(push * (dot(r, velocity(j)) / mass[j] - dot(r, velocity(i)) / mass[i]));
     }
   });
   return {.energy = sums[0].value(),

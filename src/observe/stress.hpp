@@ -13,9 +13,9 @@ namespace gridlock {
 ///     pressure         = −(stress_xx + stress_yy) / 2                      energy / area
 ///     effective_swim_speed = 1 + ⟨F·n / (m γ)⟩ / v₀                        of self-propelled disks
 ///
-/// f is the force on a disk and r the vector to it from its partner: repulsion makes the pressure positive, and tension
-/// the stress. Disks without inertia have kT for m v_a² and 0 for m v_x v_y. In the swim speed n is the heading of a
-/// disk and F the force of the others on it.
+/// f is the force on a disk, with the drag of pairs, and r the vector to it from its partner: repulsion makes the
+/// pressure positive, and tension the stress. Disks without inertia have kT for m v_a² and 0 for m v_x v_y. In the swim
+/// speed n is the heading of a disk and F the force of the others on it.
 /// Cost: a search for all pairs nearer than the cutoff.
 /// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), chapter 4; for the swim speed
 /// J. Stenhammar, D. Marenduzzo, R. J. Allen, M. E. Cates, Soft Matter 10, 1489 (2014), doi:10.1039/C3SM52813H.

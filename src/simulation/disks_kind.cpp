@@ -199,6 +199,8 @@ class DisksKind final : public ModelKind {
          [&](SettingVisitor& visitor) { describe(configuration.engine.potential, visitor); }},
         {"flow", "Whether a steady flow shears the disks of the engine soft.",
          [&](SettingVisitor& visitor) { describe(configuration.engine.flow, visitor); }},
+        {"pair_drag", "Whether disks of the engine soft that touch lose energy.",
+         [&](SettingVisitor& visitor) { describe(configuration.engine.pair_drag, visitor); }},
         {"thermostat", "Whether the disks of the engines exact and soft exchange energy with a bath, as colloids do.",
          [&](SettingVisitor& visitor) { describe(configuration.engine.thermostat, visitor); }},
         {"collisions", "Whether collisions of the engine exact lose energy, as those of grains do.",
@@ -227,6 +229,7 @@ class DisksKind final : public ModelKind {
     if (key.starts_with("potential.")) return unused_of_potential(configuration.engine.potential.kind, key);
     if (key.starts_with("thermostat.")) return unused_of_thermostat(configuration.engine.thermostat.kind, key);
     PropulsionSettings const& propulsion = configuration.engine.propulsion;
+    if (key == "pair_drag.direction" && !configuration.engine.pair_drag.exists()) return "pair_drag.coefficient = 0";
     if (key == "propulsion.rotational_diffusion" && !propulsion.is_on()) return "propulsion.speed = 0";
     if (key == "engine.contact" && propulsion.is_on()) return "propulsion.speed above 0";
     if (!key.starts_with(table)) return "";
@@ -332,7 +335,9 @@ DynamicsTraits traits_of(EngineSettings const& settings) {
             .has_impulses = false,
             .potential = settings.potential,
             .thermostat = settings.thermostat,
-            .propulsion = settings.propulsion};
+            .propulsion = settings.propulsion,
+            .pair_drag = settings.pair_drag,
+            .flow = settings.flow};
   }
   return {.halts_moves = has_steps, .propels = propels, .has_impulses = !(has_steps && propels)};
 }

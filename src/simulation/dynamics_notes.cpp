@@ -141,8 +141,10 @@ std::string unused_of_thermostat(ThermostatKind kind, std::string_view key) {
 
 std::string unused_of_potential(PairPotential kind, std::string_view key) {
   bool const is_cut = kind == PairPotential::inverse_power || kind == PairPotential::lennard_jones;
+  bool const is_row = key == "potential.distances" || key == "potential.energies" || key == "potential.file";
   bool const is_used = key == "potential.kind" || key == "potential.energy" || (key == "potential.cutoff" && is_cut) ||
-                       (key == "potential.exponent" && kind == PairPotential::inverse_power);
+                       (key == "potential.exponent" && kind == PairPotential::inverse_power) ||
+                       (is_row && kind == PairPotential::table);
   return is_used ? "" : fmt::format("potential.kind = \"{}\"", to_text(kind));
 }
 

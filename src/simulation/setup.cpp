@@ -11,6 +11,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/check.hpp"
+#include "simulation/potential_file.hpp"
 #include "simulation/settings_message.hpp"
 #include "simulation/slow_start.hpp"
 
@@ -41,15 +42,25 @@ bool makes_start(double attempts, std::string const& key, SetupOptions const& op
 }
 
 Setup set_up(SettingsFile const& file, SetupOptions const& options) {
+  // A path on the command line is relative to the working directory, a path in a TOML file to that file's directory.
+  auto const directory_of = [&](char const* key) {
+    auto const location = file.location(key);
+    bool const is_from_command_line = location && location->line == 0;
+    return is_from_command_line ? options.directory : file.directory();
+  };
   Configuration configuration;
-  options.processes.on_root([&] { configuration = read_configuration(file); });
+  options.processes.on_root([&] {
+    configuration = read_configuration(file);
+    try {
+      take_table_file(configuration.engine.potential, directory_of("potential.file"));
+    } catch (Error const& error) {
+      throw file.locate(error);
+    }
+  });
   broadcast_settings(options.processes, describing(configuration));
   try {
     SetupOptions known = options;
-    // A path on the command line is relative to the working directory, a path in a TOML file to that file's directory.
-    auto const location = file.location("disks.file");
-    bool const is_from_command_line = location && location->line == 0;
-    if (!is_from_command_line) known.directory = file.directory();
+    known.directory = directory_of("disks.file");
     known.is_given = [&](std::string_view key) { return file.is_given(key); };
     return set_up(std::move(configuration), known);
   } catch (Error const& error) {
@@ -58,6 +69,7 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
 }
 
 Setup set_up(Configuration configuration, SetupOptions const& options) {
+  take_table_file(configuration.engine.potential, options.directory);
   options.processes.agree([&] {
     check(configuration, options.is_given, options.processes);
     require_shareable(configuration, options.processes.count());

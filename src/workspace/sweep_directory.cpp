@@ -140,14 +140,16 @@ void SweepDirectory::protect_runs(std::vector<std::filesystem::path> const& inpu
   }
 }
 
-/// Returns the settings file of the sweep and the start files of its runs.
+/// Returns the settings file of the sweep, and the files of starts and potentials of its runs.
 std::vector<std::filesystem::path> SweepDirectory::inputs() const {
   std::set<std::filesystem::path> files{settings_.settings_file};
   for (SweepRun const& run : plan_.runs) {
     try {
       Configuration configuration;
       run.settings.read_into(describing(configuration));
-      if (!configuration.disks.file.empty()) files.insert(run.settings.directory() / configuration.disks.file);
+      for (std::string const& file : {configuration.disks.file, configuration.engine.potential.file}) {
+        if (!file.empty()) files.insert(run.settings.directory() / file);
+      }
     } catch (Error const&) {
       continue;  // setting up the run reports the error
     }

@@ -196,13 +196,19 @@ inline std::vector<Scene> scenes_of_soft_disks() {
                          scene("soft_langevin", mixture, PairPotential::wca, 0.004),
                          scene("soft_overdamped", mixture, PairPotential::wca, 0.001),
                          scene("soft_active", equal, PairPotential::wca, 0.001),
-                         scene("soft_flow", mixture, PairPotential::wca, 0.004)};
+                         scene("soft_flow", mixture, PairPotential::wca, 0.004),
+                         scene("soft_table", mixture, PairPotential::table, 0.004),
+                         scene("soft_drag", mixture, PairPotential::harmonic, 0.02)};
   all[4].engine.thermostat = bath(ThermostatKind::langevin, 5.0);
   all[5].engine.thermostat = bath(ThermostatKind::overdamped, 100.0);
   all[6].engine.thermostat = bath(ThermostatKind::overdamped, 100.0);
   all[6].engine.propulsion = {.speed = 1.0, .rotational_diffusion = 5.0};
   all[7].engine.thermostat = bath(ThermostatKind::langevin, 5.0);
   all[7].engine.flow = {.shear_rate = 10.0};
+  all[8].engine.potential.distances = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5};
+  all[8].engine.potential.energies = {60.0, 40.0, 24.0, 12.0, 5.0, 1.0, -0.5, -0.8, -0.4, 0.0};
+  all[9].engine.flow = {.shear_rate = 10.0};
+  all[9].engine.pair_drag = {.coefficient = 5.0, .direction = DragDirection::normal};
   return all;
 }
 

@@ -15,6 +15,7 @@
 #include "gridlock/core/target.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "property/soft_runs.hpp"
+#include "reference/soft_table.hpp"
 
 namespace gridlock {
 namespace {
@@ -25,7 +26,9 @@ std::vector<PotentialSettings> potentials() {
           {.kind = PairPotential::wca, .energy = 0.7},
           {.kind = PairPotential::inverse_power, .exponent = 9, .cutoff = 1.8},
           {.kind = PairPotential::inverse_power, .exponent = 12},
-          {.kind = PairPotential::lennard_jones, .cutoff = 2.2}};
+          {.kind = PairPotential::lennard_jones, .cutoff = 2.2},
+          reference::table_of({.kind = PairPotential::wca}, 0.7, 60, 2.0),
+          reference::table_of({.kind = PairPotential::lennard_jones, .energy = 1.5}, 0.7, 80, 3.0)};
 }
 
 State fluid(bool is_mixture, std::uint64_t seed, std::uint64_t count = 300) {

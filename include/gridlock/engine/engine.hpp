@@ -32,6 +32,7 @@
 #include "gridlock/core/setting.hpp"
 #include "gridlock/engine/flow.hpp"
 #include "gridlock/engine/grains.hpp"
+#include "gridlock/engine/pair_drag.hpp"
 #include "gridlock/engine/propulsion.hpp"
 #include "gridlock/engine/thermostat.hpp"
 #include "gridlock/parallel/detail/all_processes.hpp"
@@ -127,6 +128,7 @@ struct EngineSettings {
   PropulsionSettings propulsion = {};    ///< the settings `[propulsion]`
   PotentialSettings potential = {};      ///< soft: the settings `[potential]`
   FlowSettings flow = {};                ///< soft: the settings `[flow]`
+  PairDragSettings pair_drag = {};       ///< soft: the settings `[pair_drag]`
   AllProcesses processes = {};           ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
@@ -175,7 +177,8 @@ std::span<EngineRecord const> engine_records();
 /// Returns the record of the engine named `kind`. Errors: Error for the setting "engine.kind" if there is none.
 EngineRecord const& engine_record(std::string_view kind);
 
-/// Errors: Error for a thermostat, a loss of energy, gravity, self-propulsion or a flow that the engine does not know.
+/// Errors: Error for a thermostat, a loss of energy, gravity, self-propulsion, a flow or a drag that the engine does
+/// not know, and for a potential that is none.
 void require_known(EngineRecord const& engine, EngineSettings const& settings);
 
 /// Makes the engine named by settings.kind for a valid state.

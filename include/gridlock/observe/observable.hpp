@@ -147,6 +147,8 @@ struct DynamicsTraits {
   std::optional<PotentialSettings> potential = {};  ///< of soft disks
   ThermostatSettings thermostat = {};               ///< of soft disks, resolved
   PropulsionSettings propulsion = {};               ///< of soft disks
+  PairDragSettings pair_drag = {};                  ///< of soft disks
+  FlowSettings flow = {};                           ///< of soft disks
 };
 
 /// Returns every observable whose requirements the world meets; begin(start) has been called.

@@ -42,6 +42,7 @@ struct Disks {
   UninitializedArray<Vector> places;
   UninitializedArray<Motion> motions;
   UninitializedArray<Identity> identities;
+  UninitializedArray<Vector> velocities_in_drag;  ///< for the drag of pairs alone, see DragRule; empty without one
 };
 
 }  // namespace gridlock::soft

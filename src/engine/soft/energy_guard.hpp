@@ -7,7 +7,8 @@
 
 namespace gridlock::soft {
 
-/// Looks every thousand steps whether the energy stays the same where it should, without a thermostat and a flow.
+/// Looks every thousand steps whether the energy stays the same where it should: without a thermostat, a flow and
+/// a drag.
 class EnergyGuard {
  public:
   /// Errors of the energy above this share of the kinetic energy fail.
@@ -32,7 +33,8 @@ class EnergyGuard {
 
  private:
   [[nodiscard]] bool is_on() const {
-    return settings_.thermostat.kind == ThermostatKind::none && !settings_.flow.exists();
+    return settings_.thermostat.kind == ThermostatKind::none && !settings_.flow.exists() &&
+           !settings_.pair_drag.exists();
   }
   static double energy_of(System const& system) { return system.kinetic_energy() + system.potential_energy(); }
   [[noreturn]] void throw_change(std::uint64_t step, double change, double kinetic) const;

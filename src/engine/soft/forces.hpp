@@ -12,7 +12,8 @@ namespace gridlock::soft {
 
 /// The numbers that all forces of a state share.
 struct ForceRule {
-  PotentialSettings potential;
+  PairPotential kind;
+  PairLaw law;
   PairConstants constants;
   double period_x;
   double period_y;
@@ -26,8 +27,10 @@ struct ForceRule {
   double max_push;
 };
 
-/// Returns the rule for disks with these radii.
-ForceRule force_rule(PotentialSettings const& potential, Box const& box, RadiusRange const& radii);
+/// Returns the rule for disks with these radii. With a drag between them forces are rounded less finely, so that there
+/// is room for it.
+ForceRule force_rule(PotentialSettings const& potential, Box const& box, RadiusRange const& radii,
+                     bool has_drag = false);
 
 /// Computes the forces on the disks of a band. Returns the largest push, force over distance, of a potential that is
 /// not bounded; 0 for others.

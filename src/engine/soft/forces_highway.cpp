@@ -118,7 +118,7 @@ ComputeForces of_sizes(ForceRule const& rule) {
 }  // namespace
 
 ComputeForces forces(ForceRule const& rule) {
-  switch (rule.potential.kind) {
+  switch (rule.kind) {
     case PairPotential::harmonic:
       return of_sizes<HarmonicPush, true>(rule);
     case PairPotential::hertzian:
@@ -127,6 +127,7 @@ ComputeForces forces(ForceRule const& rule) {
       return of_sizes<InversePowerPush, false>(rule);
     case PairPotential::wca:
     case PairPotential::lennard_jones:
+    case PairPotential::table:
       break;
   }
   return of_sizes<LennardJonesPush, false>(rule);
@@ -143,20 +144,27 @@ namespace gridlock::soft {
 
 namespace {
 
-double compute_plain(ForceRule const& rule, Band const& band, Disks& disks) {
-  PairLaw const law(rule.potential);
+/// Computes the forces by push(squared distance, contact distance), pair by pair.
+template <class Push>
+double compute_by(ForceRule const& rule, Band const& band, Disks& disks, Push push_of) {
   Box const box = Box(rule.period_x, rule.period_y, Edge::periodic).shifted(rule.shift);
-  bool const has_limit = !is_bounded(rule.potential.kind);
+  bool const has_limit = !is_bounded(rule.kind);
   auto const rounded = [&](double force) { return (force + rule.rounding) - rule.rounding; };
   double largest_push = 0.0;
   for (std::size_t k = 0; k < band.is_at_edge.size(); ++k) {
     std::size_t const row = band.first + k;
+    bool const is_at_edge = band.is_at_edge[k] != 0;
     Vector force;
     for (std::size_t n = band.begin[k]; n < band.begin[k + 1]; ++n) {
       std::uint32_t const other = band.entries[n];
       if (other == disks.size()) continue;
-      Vector const d = box.displacement_inside(disks.places[other], disks.places[row]);
-      double const push = law.push(squared_length(d), disks.identities[row].radius + disks.identities[other].radius);
+      Vector const from = disks.places[other];
+      Vector const d = is_at_edge ? box.displacement_inside(from, disks.places[row]) : disks.places[row] - from;
+      double const sigma = disks.identities[row].radius + disks.identities[other].radius;
+      double const square = squared_length(d);
+      double const limit = rule.constants.cutoff * sigma;
+      if (!(square < limit * limit)) continue;
+      double const push = push_of(square, sigma);
       if (has_limit) largest_push = std::max(largest_push, push);
       force = force + Vector{rounded(push * d.x), rounded(push * d.y)};
     }
@@ -165,9 +173,21 @@ double compute_plain(ForceRule const& rule, Band const& band, Disks& disks) {
   return largest_push;
 }
 
+double compute_plain(ForceRule const& rule, Band const& band, Disks& disks) {
+  return compute_by(rule, band, disks, [&](double square, double sigma) { return rule.law.push(square, sigma); });
+}
+
+/// Computes the forces of a table, which has to look up each pair by itself.
+double compute_by_table(ForceRule const& rule, Band const& band, Disks& disks) {
+  EnergyTable const& table = rule.law.table();
+  double const energy = rule.constants.energy;
+  return compute_by(rule, band, disks, [&](double square, double sigma) { return energy * table.push(square, sigma); });
+}
+
 }  // namespace
 
 ComputeForces forces_for([[maybe_unused]] Target target, [[maybe_unused]] ForceRule const& rule) {
+  if (rule.kind == PairPotential::table) return compute_by_table;
 #if HWY_TARGETS & HWY_SSE4
   if (target == Target::sse4) return N_SSE4::forces(rule);
 #endif

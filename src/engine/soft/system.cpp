@@ -16,6 +16,12 @@ namespace {
 /// The longest path of a step, in smallest diameters.
 constexpr double max_path = 0.5;
 
+/// The largest of the numbers of all bands.
+struct Largest {
+  double value = 0.0;
+  void add(Largest const& other) { value = std::max(value, other.value); }
+};
+
 /// Calls visit(row, other, squared distance, contact distance) for each entry of the lists that is a disk.
 template <class Visit>
 void for_each_entry(std::vector<Band> const& bands, Box const& box, Disks const& disks, Visit visit) {
@@ -60,7 +66,7 @@ System::System(EngineSettings const& settings, State const& state, ThreadPool& p
       box_(state.box),
       pool_(pool),
       smallest_diameter_(2.0 * radius_range(state.agents).smallest),
-      forces_(force_rule(settings.potential, state.box, radius_range(state.agents))),
+      forces_(force_rule(settings.potential, state.box, radius_range(state.agents), settings.pair_drag.exists())),
       moves_(move_rule(settings, state)),
       reach_(list_reach(settings.potential, state.box, radius_range(state.agents))),
       kernel_(forces_for(target(), forces_)),
@@ -68,6 +74,10 @@ System::System(EngineSettings const& settings, State const& state, ThreadPool& p
   if (skin > 0.0) reach_.skin = std::min(skin * smallest_diameter_, reach_.skin);
   reach_.flows = settings.flow.exists();
   prepare(moves_, disks_);
+  if (settings.pair_drag.exists()) {
+    drag_ = drag_rule(settings, forces_, radius_range(state.agents));
+    disks_.velocities_in_drag.resize(disks_.size());
+  }
   list_again();
   compute_forces(state.clock.step);
 }
@@ -78,6 +88,11 @@ Result System::for_bands(DoPart do_part) {
   pool_.for_each(bands_.size(), [&](std::size_t b) { do_part(bands_[b], results[b]); });
   for (std::size_t b = 1; b < results.size(); ++b) results[0].add(results[b]);
   return results[0];
+}
+
+template <class DoPart>
+void System::for_each_band(DoPart do_part) {
+  pool_.for_each(bands_.size(), [&](std::size_t b) { do_part(bands_[b]); });
 }
 
 void System::list_again() {
@@ -109,16 +124,22 @@ bool System::are_lists_old(double squared_drift) const {
 }
 
 void System::compute_forces(std::uint64_t step) {
-  struct LargestPush {
-    double value = 0.0;
-    void add(LargestPush const& other) { value = std::max(value, other.value); }
-  };
-  LargestPush const largest =
-      for_bands<LargestPush>([&](Band const& band, LargestPush& push) { push.value = kernel_(forces_, band, disks_); });
+  Largest const largest =
+      for_bands<Largest>([&](Band const& band, Largest& push) { push.value = kernel_(forces_, band, disks_); });
   if (!(largest.value <= forces_.max_push)) throw_near_pair(step);
 }
 
+void System::use_drags(std::uint64_t step, UseDrags use) {
+  Largest const largest =
+      for_bands<Largest>([&](Band const& band, Largest& drag) { drag.value = use(*drag_, box_, band, disks_); });
+  if (!(largest.value <= drag_->largest_drag)) throw_strong_drag(step, largest.value);
+}
+
 void System::take_step(std::uint64_t step) {
+  if (drag_) {
+    for_each_band([&](Band const& band) { take_velocities(band, disks_); });
+    use_drags(step, add_drags);
+  }
   if (moves_.shear_rate != 0.0) move_images();
   LongestWays const ways = for_bands<LongestWays>(
       [&](Band const& band, LongestWays& of_band) { of_band = move(moves_, step, band, disks_); });
@@ -126,8 +147,10 @@ void System::take_step(std::uint64_t step) {
     throw_long_step(step, ways);
   }
   if (are_lists_old(ways.squared_drift)) list_again();
+  if (drag_) for_each_band([&](Band const& band) { predict_velocities(band, disks_); });
   compute_forces(step);
-  pool_.for_each(bands_.size(), [&](std::size_t b) { end_step(moves_, bands_[b], disks_); });
+  if (drag_) return use_drags(step, kick_with_drags);
+  for_each_band([&](Band const& band) { end_step(moves_, band, disks_); });
 }
 
 void System::throw_long_step(std::uint64_t step, LongestWays const& ways) const {
@@ -151,6 +174,15 @@ void System::throw_near_pair(std::uint64_t step) const {
     one = row;
     other = to;
   });
+  bool const is_of_table = settings_.potential.kind == PairPotential::table;
+  if (is_of_table && std::sqrt(nearest) < forces_.law.table().first_distance()) {
+    throw RunFailure(fmt::format(
+        "step {}: disks {} and {} are {:.3g} of the sum of their radii apart, nearer than the first distance "
+        "{:.6g} of the table of the potential\n"
+        "  hint: use a table that begins nearer, or a shorter engine.time_step, such as {:.1g}",
+        step, disks_.identities[one].id, disks_.identities[other].id, std::sqrt(nearest),
+        forces_.law.table().first_distance(), 0.5 * settings_.time_step));
+  }
   throw RunFailure(fmt::format(
       "step {}: disks {} and {} are {:.3g} of the sum of their radii apart, where the potential \"{}\" is too steep\n"
       "  hint: use a shorter engine.time_step, such as {:.1g}",
@@ -158,11 +190,18 @@ void System::throw_near_pair(std::uint64_t step) const {
       to_text(settings_.potential.kind), 0.5 * settings_.time_step));
 }
 
+void System::throw_strong_drag(std::uint64_t step, double drag) const {
+  throw RunFailure(
+      fmt::format("step {}: the drag between two disks that touch is {:.3g}, more than {:.3g}, the largest that can be "
+                  "added up\n"
+                  "  hint: use a lower pair_drag.coefficient, or a higher potential.energy",
+                  step, drag, drag_->largest_drag));
+}
+
 double System::potential_energy() const {
-  PairLaw const law(settings_.potential);
   double energy = 0.0;
   for_each_entry(bands_, box_, disks_, [&](std::size_t /*row*/, std::uint32_t /*other*/, double square, double sigma) {
-    energy += law.energy(square, sigma);
+    energy += forces_.law.energy(square, sigma);
   });
   return 0.5 * energy;
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/soft/disks.hpp"
+#include "engine/soft/drag.hpp"
 #include "engine/soft/forces.hpp"
 #include "engine/soft/lists.hpp"
 #include "engine/soft/moves.hpp"
@@ -39,20 +41,27 @@ class System {
   /// Calls do_part(band, result) for each band, and adds up the results.
   template <class Result, class DoPart>
   Result for_bands(DoPart do_part);
+  template <class DoPart>
+  void for_each_band(DoPart do_part);
   void list_again();
   /// Moves the images of the box with the flow for one time step.
   void move_images();
   /// Returns whether a pair that no list has may be nearer than the cutoff.
   [[nodiscard]] bool are_lists_old(double squared_drift) const;
   void compute_forces(std::uint64_t step);
+  using UseDrags = double (*)(DragRule const& rule, Box const& box, Band const& band, Disks& disks);
+  /// Calls use() for each band. Errors: RunFailure for drags that cannot be added up.
+  void use_drags(std::uint64_t step, UseDrags use);
   [[noreturn]] void throw_long_step(std::uint64_t step, LongestWays const& ways) const;
   [[noreturn]] void throw_near_pair(std::uint64_t step) const;
+  [[noreturn]] void throw_strong_drag(std::uint64_t step, double drag) const;
 
   EngineSettings settings_;
   Box box_;
   ThreadPool& pool_;
   double smallest_diameter_;
   ForceRule forces_;
+  std::optional<DragRule> drag_;
   MoveRule moves_;
   ListReach reach_;
   ComputeForces kernel_;

@@ -97,6 +97,34 @@ TEST(SoftEngine, RefusesOverlapsOfSteepPotentialsOnly) {
                       " are at 0.5, where the potential \"wca\" has the energy 1.61e+04");
 }
 
+TEST(SoftEngine, TakesATableAsFarAsItGoes) {
+  EngineSettings settings = settings_of(PairPotential::table);
+  settings.potential.distances = {0.95, 1.0, 1.1, 1.2};
+  settings.potential.energies = {1.0, 0.8, 0.3, 0.0};
+  EXPECT_EQ(problem_of(settings, lattice()), "");
+  State near = lattice();
+  near.agents.column<X>()[1] = near.agents.column<X>()[0] + 0.9;
+  near.agents.column<Y>()[1] = near.agents.column<Y>()[0];
+  std::string const refused = problem_of(settings, near);
+  EXPECT_NE(
+      refused.find("1 pairs of disks are nearer than the first distance 0.95 of the table of the potential; disks "),
+      std::string::npos)
+      << refused;
+  // The energy of 1 is too low to keep disks apart that approach each other.
+  State fast = lattice();
+  for (double& v : fast.agents.column<VelocityX>()) v *= 5.0;
+  std::string const failed = failure_of(settings, fast, 2000);
+  EXPECT_NE(failed.find("of the sum of their radii apart, nearer than the first distance 0.95 of the table of the "
+                        "potential\n  hint: use a table that begins nearer, or a shorter engine.time_step"),
+            std::string::npos)
+      << failed;
+  settings.potential.energies.pop_back();
+  EXPECT_EQ(problem_of(settings, lattice()),
+            "potential.energies: the table of the potential has 4 distances and 3 energies");
+  settings.kind = "exact";
+  EXPECT_EQ(problem_of(settings, lattice()), "") << "hard disks have no potential";
+}
+
 TEST(SoftEngine, FailsWithAShorterStepWhereTheStepIsTooLong) {
   std::string const far = failure_of(settings_of(PairPotential::lennard_jones, 0.5), lattice(), 100);
   EXPECT_NE(far.find("diameters of the smallest disk in one time step, more than 0.5"), std::string::npos) << far;

@@ -118,6 +118,12 @@ const SOFT_DISKS: Readonly<Record<string, string>> = {
   soft_active:
     SOFT_EQUAL + bath("overdamped", 100) + 'engine.time_step = 0.001\npotential.kind = "wca"\n' + "propulsion = { speed = 1, rotational_diffusion = 5 }",
   soft_flow: SOFT_MIXTURE + bath("langevin", 5) + 'engine.time_step = 0.004\npotential.kind = "wca"\nflow.shear_rate = 10',
+  soft_table:
+    SOFT_MIXTURE +
+    'engine.time_step = 0.004\npotential.kind = "table"\n' +
+    "potential.distances = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5]\n" +
+    "potential.energies = [60, 40, 24, 12, 5, 1, -0.5, -0.8, -0.4, 0]",
+  soft_drag: SOFT_MIXTURE + 'engine.time_step = 0.02\nflow.shear_rate = 10\npair_drag = { coefficient = 5, direction = "normal" }',
 };
 
 const MODELS: Readonly<Record<string, string>> = {
