@@ -79,11 +79,11 @@ Vector Box::inside(Vector p) const {
 
 void require_rectangle(Box const& box, std::string_view what) {
   if (!box.is_oblique()) return;
-  throw Error({.what = std::string(what) + " knows rectangles only, and box.tilt is " + number_text(box.tilt()),
-               .hint =
-                   "use a box without tilt; the engine \"soft\", protocols of soft disks, contacts and analysis know "
-                   "oblique boxes, and so does disks.start = \"uniform\"",
-               .key = "box.tilt"});
+  throw Error(
+      {.what = std::string(what) + " knows rectangles only, and box.tilt is " + number_text(box.tilt()),
+       .hint = "use a box without tilt; the engines \"exact\" and \"soft\", growth, protocols of soft disks, contacts "
+               "and analysis know oblique boxes, and so do the starts \"random\", \"square\" and \"uniform\"",
+       .key = "box.tilt"});
 }
 
 std::uint64_t number_of_edges(Box const& box) {

@@ -134,7 +134,7 @@ void require_known(EngineRecord const& engine, EngineSettings const& settings) {
   require_thermostat(engine, settings.thermostat);
   require_pair_drag(engine, settings);
   if (engine.has_potential) require_valid(settings.potential);
-  if (settings.flow.exists() && !engine.has_oblique_boxes) {
+  if (settings.flow.exists() && !engine.has_potential) {
     throw Error({.what = fmt::format("the engine \"{}\" has no flow", engine.name),
                  .hint = "use engine.kind = \"soft\", or leave [flow] out",
                  .key = "flow.shear_rate"});

@@ -100,12 +100,18 @@ std::vector<Vector> headings_of_all(std::span<Vector const> of_moving, FrameSour
   return headings;
 }
 
+/// The least side of an oblique box in distances at contact. With two, disks would have no room around their places.
+constexpr double contacts_in_oblique_box = 2.1;
+
 /// The least number of disks for threads: with fewer, every disk of a strip would be near its border.
 constexpr std::size_t min_disks_to_share = 5000;
 
 }  // namespace
 
-double side_for_images(State const& state) { return 2.0 * largest_contact_distance(state.agents.column<Radius>()); }
+double side_for_images(State const& state) {
+  double const contacts = state.box.is_oblique() ? contacts_in_oblique_box : 2.0;
+  return contacts * largest_contact_distance(state.agents.column<Radius>());
+}
 
 void require_exact_start(State const& state) {
   double const rounding = rounding_of_contact(state);
@@ -121,6 +127,7 @@ EngineRecord exact_record() {
           .has_time_step = false,
           .uses_threads = true,
           .has_free_flight = true,
+          .has_oblique_boxes = true,
           .bytes_per_disk = 340.0,
           .bytes_per_disk_of_threads = 310.0,
           .bytes_per_disk_of_checkpoint = 163.0,

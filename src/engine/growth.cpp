@@ -158,7 +158,6 @@ void require_growth(GrowthSettings const& settings, State const& state, double t
 
 Growth::Growth(GrowthSettings const& settings, State const& state)
     : settings_(settings), temperature_(temperature_by_id(state)), left_(std::make_unique<exact::LeftState>()) {
-  require_rectangle(state.box, "growth of hard disks");
   require_exact_start(state);
   require_growth(settings, state, temperature_);
   diameter_rate_ = settings.rate * std::sqrt(temperature_ / mass_of_smallest(state.agents));

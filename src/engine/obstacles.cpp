@@ -33,13 +33,13 @@ Vector Obstacle::nearest_to(Vector p) const {
 Obstacles::Obstacles(Box const& box, std::span<Obstacle const> obstacles, double largest_radius) {
   // A factor above 1 covers the rounding of places and paths.
   auto const reach_of = [&](Obstacle const& obstacle) { return (obstacle.radius + largest_radius) * (1.0 + 1e-6); };
-  double const last_image_x = box.is_periodic_x() ? 1.0 : 0.0;
+  double const last_image_x = box.is_oblique() ? 2.0 : box.is_periodic_x() ? 1.0 : 0.0;
   double const last_image_y = box.is_periodic_y() ? 1.0 : 0.0;
   for (Obstacle const& obstacle : obstacles) {
     double const reach = reach_of(obstacle);
     for (double n = -last_image_x; n <= last_image_x; n += 1.0) {
       for (double m = -last_image_y; m <= last_image_y; m += 1.0) {
-        Vector const shift{n * box.width(), m * box.height()};
+        Vector const shift = box.offset_of_image(n, m);
         Obstacle const image{obstacle.from + shift, obstacle.to + shift, obstacle.radius, obstacle.kind};
         bool const is_near =
             std::max(image.from.x, image.to.x) >= -reach && std::min(image.from.x, image.to.x) <= box.width() + reach &&

@@ -46,10 +46,16 @@ bool RandomInsertion::place(std::size_t i) {
 
 bool RandomInsertion::is_free(std::size_t i, Vector p) const {
   bool is_free = true;
-  grid_.for_each_candidate(p, radii_[i] + largest_, [&](std::size_t j) {
-    double const contact = radii_[i] + radii_[j];
-    if (squared_length(box_.displacement(p, sites_[j])) < contact * contact) is_free = false;
-  });
+  auto const look_around = [&](Vector place) {
+    grid_.for_each_candidate(place, radii_[i] + largest_, [&](std::size_t j) {
+      double const contact = radii_[i] + radii_[j];
+      if (squared_length(box_.displacement(p, sites_[j])) < contact * contact) is_free = false;
+    });
+  };
+  look_around(p);
+  if (!box_.is_oblique()) return is_free;
+  // The grid is that of a rectangle: across its lower and its upper edge lies what is xy farther to the left or right.
+  for (double const lean : {-box_.shift(), box_.shift()}) look_around({p.x + lean, p.y});
   return is_free;
 }
 

@@ -89,7 +89,7 @@ Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds
   bool const is_square = settings.start == StartKind::square;
   std::uint64_t const count = kinds.count();
   StartKind const other = is_square ? StartKind::triangular : StartKind::square;
-  double const largest_on_other = largest_radius_on(other, box, kinds);
+  double const largest_on_other = box.is_oblique() ? 0.0 : largest_radius_on(other, box, kinds);
   std::string hint = "use " + size_in_words(settings, box, kinds, largest) + " or less";
   if (largest_on_other > largest) {
     hint += fmt::format(", or disks.start = \"{}\", which reaches {}", is_square ? "triangular" : "square",
@@ -190,7 +190,7 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
                            : fmt::format("use packing fraction {:.2f} or less", *reachable);
   }
   double const square = largest_radius_on(StartKind::square, box, kinds);
-  double const triangular = largest_radius_on(StartKind::triangular, box, kinds);
+  double const triangular = box.is_oblique() ? 0.0 : largest_radius_on(StartKind::triangular, box, kinds);
   if (std::max(square, triangular) <= radius) return hint;
   return fmt::format("{}disks.start = \"{}\", which reaches {}", hint.empty() ? "use " : hint + ", or ",
                      square > triangular ? "square" : "triangular",
@@ -322,8 +322,8 @@ StartOfDisks::StartOfDisks(Box const& whole_box, DisksSettings const& settings, 
                  .key = "disks.start"});
   }
   radius = wanted_radius(settings, box, kinds);
-  // Only points that regard no other disk lie in an oblique box as in a rectangle.
-  if (settings.start != StartKind::uniform) require_rectangle(box, "a start without overlaps");
+  // The rows of a square lattice stay apart wherever the rows above begin.
+  if (settings.start == StartKind::triangular) require_rectangle(box, "disks.start = \"triangular\"");
   if (settings.start == StartKind::random) {
     plan_->site_of = [sites = random_sites(box, settings, kinds, radius, seed)](std::size_t i) { return sites[i]; };
   } else if (settings.start == StartKind::uniform) {

@@ -148,6 +148,20 @@ inline std::vector<Scene> scenes_of_exact() {
        .disks = {.count = 300, .packing_fraction = 0.4, .start = StartKind::random},
        .engine = {.speed = 1.5, .thermostat = brownian, .propulsion = {.speed = 1.5, .rotational_diffusion = 5.0}},
        .time = 0.5},
+      {.name = "oblique",
+       .box = Box(1.2, 1.0, Edge::periodic).tilted(0.35),
+       .disks = {.count = 300,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.1, .fixed = true},
+                             {.fraction = 0.5},
+                             {.fraction = 0.4, .size_ratio = 1.4}}},
+       .time = 0.5},
+      // Enough disks for threads to share.
+      {.name = "oblique_crowd",
+       .box = Box(1.0, 1.3, Edge::periodic).tilted(-0.25),
+       .disks = {.count = 10'000, .packing_fraction = 0.6, .start = StartKind::square},
+       .time = 0.05},
   };
 }
 

@@ -111,6 +111,23 @@ TEST_P(Fluid, HasThePublishedPressureFromImpulsesAndFromTheCollisionRate) {
   EXPECT_NEAR(z.from_rate.value, expected, 3.5 * z.from_rate.error + finite_size);
 }
 
+// The pressure of a fluid knows nothing of where the images above lie.
+TEST(ExactPhysics, AFluidInAnObliqueBoxHasThePressureOfTheRectangle) {
+  for (double const packing_fraction : {0.3, 0.6}) {
+    State rectangle = fluid(16, 16, packing_fraction, 3);
+    State oblique = fluid(16, 16, packing_fraction, 4);
+    Pressures const expected = measure(rectangle, 10.0, 8.0, 25);
+    // The rows of the start are farther apart than a diameter, so that shifted ones do not overlap.
+    oblique.box = oblique.box.tilted(0.37);
+    Pressures const found = measure(oblique, 10.0, 8.0, 25);
+    double const error = std::hypot(expected.from_impulses.error, found.from_impulses.error);
+    EXPECT_LT(error, 5e-3 * expected.from_impulses.value);
+    EXPECT_NEAR(found.from_impulses.value, expected.from_impulses.value, 3.5 * error);
+    EXPECT_NEAR(found.from_rate.value, expected.from_rate.value,
+                3.5 * std::hypot(expected.from_rate.error, found.from_rate.error));
+  }
+}
+
 // N = 72, periodic square box, Li et al. 2022: P* = βPσ² = Z · 4η/π. A longer run of the same is in the validation.
 TEST(ExactPhysics, SeventyTwoDisksHaveThePublishedPressure) {
   struct Published {

@@ -35,6 +35,7 @@ struct SharingCase {
   double duration = 4.0;
   exact::Lists lists = exact::Lists::where_they_pay;
   std::optional<Edge> edge_y = {};  ///< of y alone, along which strips follow one another
+  double widths = 0.0;              ///< by which an oblique box is shifted
 
   friend std::ostream& operator<<(std::ostream& out, SharingCase const& c) { return out << c.name; }
 };
@@ -47,6 +48,7 @@ State start(SharingCase const& c) {
   State state{.box = Box(step * static_cast<double>(c.columns), step * static_cast<double>(c.rows), c.edge,
                          c.edge_y.value_or(c.edge)),
               .seed = 1};
+  state.box = state.box.shifted(c.widths * state.box.width());
   for (std::uint64_t row = 0; row < c.rows; ++row) {
     for (std::uint64_t column = 0; column < c.columns; ++column) {
       RandomStream random(1, 0, row * c.columns + column, Purpose::start_velocity);
@@ -110,6 +112,12 @@ INSTANTIATE_TEST_SUITE_P(
         SharingCase{"dense_lists", 0.74, 20, 160, Edge::periodic, 1.0, 3.0, exact::Lists::always},
         SharingCase{"dense_lists_walls", 0.74, 20, 160, Edge::wall, 1.0, 3.0, exact::Lists::always},
         SharingCase{"mixture", 0.65, 20, 200, Edge::periodic, 0.7},
+        SharingCase{.name = "oblique",
+                    .packing_fraction = 0.65,
+                    .columns = 20,
+                    .rows = 200,
+                    .smallest_ratio = 0.7,
+                    .widths = 0.37},
         SharingCase{"unequal_lists", 0.45, 20, 240, Edge::wall, 0.4, 4.0, exact::Lists::always}),
     [](auto const& scene) { return scene.param.name; });
 

@@ -71,14 +71,14 @@ class AllPairsEvents {
   }
 
   void consider_pair(Event& first, std::size_t i, std::size_t j) const {
-    int const images_x = state.box.is_periodic_x() ? 1 : 0;
+    int const images_x = state.box.is_oblique() ? 2 : state.box.is_periodic_x() ? 1 : 0;
     int const images_y = state.box.is_periodic_y() ? 1 : 0;
     Vector const w = velocity(state.agents, j) - velocity(state.agents, i);
     double const contact = radius(i) + radius(j);
     double const widening = rate_of(i) + rate_of(j);
     for (int n = -images_x; n <= images_x; ++n) {
       for (int m = -images_y; m <= images_y; ++m) {
-        Vector const image{n * state.box.width(), m * state.box.height()};
+        Vector const image{n * state.box.width() + m * state.box.shift(), m * state.box.height()};
         Vector const d = position(state.agents, j) + image - position(state.agents, i);
         double const a = squared_length(w) - widening * widening;
         double const b = dot(d, w) - widening * contact;

@@ -25,13 +25,14 @@ struct SceneSettings {
   double smallest_ratio = 1.0;    ///< radii are uniform in [smallest_ratio, 1] of the largest
   double heaviest_mass = 1.0;     ///< masses are uniform in [1, heaviest_mass]
   std::uint64_t seed = 1;
+  double tilt = 0.0;
 
-  [[nodiscard]] Box box() const { return {width, height, edge, edge_y.value_or(edge)}; }
+  [[nodiscard]] Box box() const { return Box(width, height, edge, edge_y.value_or(edge)).tilted(tilt); }
 
   friend std::ostream& operator<<(std::ostream& out, SceneSettings const& s) {
     return out << edges_in_words(s.box()) << " " << s.width << " × " << s.height << ", N = " << s.count
                << ", φ = " << s.packing_fraction << ", smallest ratio " << s.smallest_ratio << ", heaviest mass "
-               << s.heaviest_mass << ", seed " << s.seed;
+               << s.heaviest_mass << ", seed " << s.seed << ", tilt " << s.tilt;
   }
 };
 

@@ -154,7 +154,7 @@ struct EngineRecord {
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
   bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
   bool has_potential = false;                 ///< whether disks are soft: they may overlap, and nothing collides
-  bool has_oblique_boxes = false;             ///< whether the box may have a tilt, which a flow changes
+  bool has_oblique_boxes = false;             ///< whether the box may have a tilt
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint

@@ -46,11 +46,9 @@ bool Dynamics::looks_for_missed_events() const { return size_ <= max_disks_for_a
 
 void Dynamics::audit_overlaps() const {
   auto const require_gap = [&](Index i, Index j) {
-    Vector const d = flight(disks_[i], disks_[j]).at(now_);
-    double const x = box_.is_periodic_x() ? std::remainder(d.x, box_.width()) : d.x;
-    double const y = box_.is_periodic_y() ? std::remainder(d.y, box_.height()) : d.y;
+    Vector const d = box_.displacement({}, flight(disks_[i], disks_[j]).at(now_));
     double const contact = (radius_of(i) + radius_of(j)) * scale();
-    double const gap = std::sqrt(x * x + y * y) - contact;
+    double const gap = std::sqrt(squared_length(d)) - contact;
     if (gap >= -tolerance * contact) return;
     throw RunFailure(fmt::format("time {}: disks {} and {} overlap by {:.3g}, {:.3g} of their distance at contact",
                                  last_event(), id_of(i), id_of(j), -gap, -gap / contact));
@@ -88,7 +86,7 @@ void Dynamics::audit_obstacles(Index i) const {
 /// Looks for missed events. No search looks at a pair again before the earlier of the two disks' own events, so until
 /// then the pair must not overlap. Disks that grow are all searched again at the end of the epoch.
 void Dynamics::audit_missed_events() const {
-  double const last_image_x = box_.is_periodic_x() ? 1.0 : 0.0;
+  double const last_image_x = box_.is_oblique() ? 2.0 : box_.is_periodic_x() ? 1.0 : 0.0;
   double const last_image_y = box_.is_periodic_y() ? 1.0 : 0.0;
   double const last = is_growing() ? epoch_length_ : never;
   for (Index i = 0; i < size_; ++i) {
@@ -98,7 +96,7 @@ void Dynamics::audit_missed_events() const {
       double const sum = radius_of(i) + radius_of(j);
       for (double n = -last_image_x; n <= last_image_x; n += 1.0) {
         for (double m = -last_image_y; m <= last_image_y; m += 1.0) {
-          Vector const image{n * box_.width(), m * box_.height()};
+          Vector const image = box_.offset_of_image(n, m);
           double const time = pair.nearest(image, sum, growth_.scale, now_, end);
           double const contact = sum * growth_.scale.at(time);
           double const gap = std::sqrt(squared_length(pair.at(time) + image)) - contact;

@@ -20,12 +20,15 @@ inline double wait_for_growth(double a, double b, double c, double squared_conta
   return (b + std::sqrt(b * b - a * gap)) / -a;
 }
 
-/// Returns the shift of a coordinate of a separation that leads to the nearest image; the period is infinite
-/// between walls.
-inline double shift_to_nearest(double d, double period) {
-  double const down = d > 0.5 * period ? -period : 0.0;
-  return d < -0.5 * period ? period : down;
+/// Returns the shift by which the nearest image is away along x or y, for a separation that is d along an axis of this
+/// period; the period is infinite between walls.
+inline double shift_to_nearest(double d, double period, double shift) {
+  double const down = d > 0.5 * period ? -shift : 0.0;
+  return d < -0.5 * period ? shift : down;
 }
+
+/// Returns the shift of a coordinate of a separation that leads to the nearest image.
+inline double shift_to_nearest(double d, double period) { return shift_to_nearest(d, period, period); }
 
 /// The candidate with the earliest collision so far. It defines the result that every kernel must find.
 class EarliestContact {
@@ -76,7 +79,8 @@ class EarliestContact {
     MovingDisk const& other = s_.disks[j];
     double const d_x = (other.x - self_.x) + (other.velocity_x - self_.velocity_x) * now_;
     double const d_y = (other.y - self_.y) + (other.velocity_y - self_.velocity_y) * now_;
-    consider(j, shift_to_nearest(d_x, s_.period_x), shift_to_nearest(d_y, s_.period_y));
+    double const lean = s_.lean != 0.0 ? shift_to_nearest(d_y, s_.period_y, s_.lean) : 0.0;
+    consider(j, lean + shift_to_nearest(d_x + lean, s_.period_x), shift_to_nearest(d_y, s_.period_y));
   }
 
   [[nodiscard]] Prediction best() const { return best_; }

@@ -169,7 +169,8 @@ void Flight::refresh_prediction_input() {
                        .long_lists = lists_.long_lists.data(),
                        .places = has_lists() ? lists_.places.data() : nullptr,
                        .room = lists_.room,
-                       .margin = reach_with(lists_.room, lists_.max_scale)};
+                       .margin = reach_with(lists_.room, lists_.max_scale),
+                       .lean = box_.shift()};
   predictor_ = fastest_predictor(prediction_input_);
 }
 
@@ -292,8 +293,19 @@ void Flight::cross_edge(Index i, Side side) {
   (is_vertical ? disk.x : disk.y) += shift;
   (is_vertical ? image_[i].x : image_[i].y) += across;
   ++disk.collision_count;
-  if (!has_lists()) return;
-  (is_vertical ? lists_.places[i].x : lists_.places[i].y) += shift;
+  if (has_lists()) (is_vertical ? lists_.places[i].x : lists_.places[i].y) += shift;
+  if (box_.is_oblique() && !is_vertical) move_sideways(i, -across * box_.shift());
+}
+
+/// Moves a disk that has crossed the lower or the upper edge of an oblique box along x to its image in the box.
+/// Contract: there are lists.
+void Flight::move_sideways(Index i, double shift) {
+  double const x = position_at(i, now_).x + shift;
+  std::int32_t const across = x >= box_.width() ? 1 : x < 0.0 ? -1 : 0;
+  shift -= across * box_.width();
+  disks_[i].x += shift;
+  lists_.places[i].x += shift;
+  image_[i].x += across;
 }
 
 std::vector<Index> Flight::disks_by_id_index() const {

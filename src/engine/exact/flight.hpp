@@ -149,7 +149,9 @@ class Flight {
   [[nodiscard]] bool wants_lists() const;
   [[nodiscard]] double packing_fraction() const;
   [[nodiscard]] double room_for_lists() const;
+  [[nodiscard]] double room_in_oblique_box(double max_scale) const;
   [[nodiscard]] double reach_with(double room, double scale) const;
+  [[nodiscard]] bool is_inside(Place const& place) const;
   void find_all_neighbours();
   void find_neighbours(Index i, bool tells_them);
   [[nodiscard]] std::span<Index const> collect_neighbours(Index i);
@@ -232,6 +234,7 @@ class Flight {
   void hit_wall(Index i, Side wall, Observer& observer);
   void cross_into_next_cell(Index i, Side side);
   void cross_edge(Index i, Side side);
+  void move_sideways(Index i, double shift);
 };
 
 template <bool grows, class Observer>

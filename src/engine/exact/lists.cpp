@@ -13,6 +13,8 @@ namespace {
 constexpr double candidates_for_lists = 4.5;
 /// Least room around the place of a growing disk, in diameters of the smallest disk.
 constexpr double min_room_of_growing = 0.02;
+/// The room in a gas, in mean distances between disks.
+constexpr double rooms_in_distance = 0.5;
 /// Factor by which the radii may grow before the lists are renewed.
 constexpr double growth_of_lists = 1.001;
 
@@ -26,6 +28,7 @@ double Flight::packing_fraction() const {
 }
 
 bool Flight::wants_lists() const {
+  if (box_.is_oblique()) return true;
   if (lists_.wish != Lists::where_they_pay) return lists_.wish == Lists::always;
   double const candidates = disks_in_nine_cells(2.0 * largest_radius_ * growth_.scale.at_zero);
   return candidates * squared(packing_fraction()) >= candidates_for_lists;
@@ -42,9 +45,25 @@ double Flight::room_for_lists() const {
   return std::clamp(room * epoch_length_ / longest_epoch_, least, std::max(room, least));
 }
 
+/// In an oblique box there are lists in a gas too, where disks fly far, and in a small box. Of two disks that touch,
+/// each within the room around its place, the nearest image now must be the one that touches: a distance at contact and
+/// four rooms are less than half a period.
+double Flight::room_in_oblique_box(double max_scale) const {
+  double const distance = std::sqrt(box_.area() / static_cast<double>(disks_in_box_));
+  double const room = std::max(room_for_lists(), is_growing() ? 0.0 : rooms_in_distance * distance);
+  return std::min(room, (box_.shortest_period() - 4.0 * largest_radius_ * max_scale) / 8.5);
+}
+
 /// Returns the distance from an edge of the box within which the place of a disk lies if the disk may meet another
 /// across the edge: two disks in contact, each anywhere within `room` of its place.
 double Flight::reach_with(double room, double scale) const { return 2.0 * largest_radius_ * scale + 5.0 * room; }
+
+/// Returns whether a disk with this place meets no other across an edge of the box.
+bool Flight::is_inside(Place const& place) const {
+  double const margin = reach_with(lists_.room, lists_.max_scale);
+  return place.x >= margin && place.x <= box_.width() - margin && place.y >= margin &&
+         place.y <= box_.height() - margin;
+}
 
 void Flight::end_lists() {
   lists_.neighbours.clear();
@@ -55,16 +74,16 @@ void Flight::end_lists() {
   lists_.max_scale = 1.0;
 }
 
-/// Begins, renews or ends the use of lists. Contract: all events are predicted anew.
+/// Begins, renews or ends the use of lists, which an oblique box always has. Contract: all events are predicted anew.
 void Flight::renew_lists(double time) {
   bool wants = wants_lists();
   double const scale = growth_.scale.at(epoch_length_);
   if (wants && has_lists() && scale <= lists_.max_scale) return;
-  double const room = room_for_lists();
   double const max_scale = is_growing() ? growth_of_lists * scale : 1.0;
+  double const room = box_.is_oblique() && size_ > 0 ? room_in_oblique_box(max_scale) : room_for_lists();
   // Kernels read sixteen entries of a list at once, and each neighbour must have one image that is the nearest.
   double const min_side = 3.0 * reach_with(room, max_scale);
-  wants &= size_ >= 16 && box_.shortest_period() >= min_side;
+  wants &= box_.is_oblique() ? size_ > 0 : size_ >= 16 && box_.shortest_period() >= min_side;
   if (!wants) {
     if (has_lists()) size_classes_.clear();
     end_lists();
@@ -107,6 +126,8 @@ std::span<Index const> Flight::collect_neighbours(Index i) {
     if (names.size() < room) names.resize(2 * room);
     count += near_places_.collect(slots.data(), slots.size(), i, names.data() + count);
   });
+  bool const is_oblique = box_.is_oblique();
+  bool const is_inside_of_oblique = is_oblique && is_inside(place);
   PlacesAround const around{.places = lists_.places.data(),
                             .radius = radius_.empty() ? nullptr : radius_.data(),
                             .place = place,
@@ -116,8 +137,10 @@ std::span<Index const> Flight::collect_neighbours(Index i) {
                             .scale = lists_.max_scale * (1.0 + 1e-9),
                             .period_x = box_.period_x(),
                             .period_y = box_.period_y(),
-                            .has_images = box_.has_images()};
-  return {names.data(), near_places_.keep(around, names.data(), count)};
+                            .has_images = box_.has_images() && !is_inside_of_oblique,
+                            .lean = box_.shift()};
+  auto const keep = is_oblique && !is_inside_of_oblique ? keep_in_oblique_box : near_places_.keep;
+  return {names.data(), keep(around, names.data(), count)};
 }
 
 void Flight::write_list(Index i, std::span<Index const> names) {

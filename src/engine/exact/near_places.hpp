@@ -20,6 +20,7 @@ struct PlacesAround {
   double period_x;  ///< distance between the images of a place; infinite between walls
   double period_y;
   bool has_images;
+  double lean = 0.0;  ///< xy of an oblique box
 };
 
 /// Indices in a batch, for any width of register.
@@ -37,8 +38,11 @@ struct NearPlaces {
   Keep keep;
 };
 
-/// Returns the kernels for the instructions of this target, which the processor must have.
+/// Returns the kernels for the instructions of this target, which the processor must have. They know rectangles only.
 NearPlaces near_places_for(Target target);
+
+/// Does the same as NearPlaces::keep in an oblique box, where few disks are near an edge.
+std::size_t keep_in_oblique_box(PlacesAround const& around, Index* names, std::size_t count);
 
 /// Returns the AVX-512 kernels, or nothing where this build has none.
 std::optional<NearPlaces> near_places_with_avx512();

@@ -42,6 +42,7 @@ struct PredictionInput {
   Place const* places = nullptr;           ///< place of each disk; nullptr where there are no lists
   double room = 0.0;                       ///< largest distance of a disk from its place, in x and in y
   double margin = 0.0;                     ///< disks whose places are further from the edges meet no other across them
+  double lean = 0.0;                       ///< xy of an oblique box, where there are always lists; 0 in a rectangle
 
   [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
   [[nodiscard]] bool is_growing() const { return scale.rate != 0.0; }

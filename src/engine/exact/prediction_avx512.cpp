@@ -143,12 +143,22 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s
   return {_mm_cvtsd_f64(_mm_max_sd(_mm_min_sd(y_time, time), _mm_set_sd(now))), vertical_border + is_horizontal};
 }
 
-/// Returns the shifts of coordinates of separations that lead to the nearest images.
-GRIDLOCK_AVX512 inline __m512d shifts_to_nearest(__m512d d, double side) {
+/// Returns the shifts by which the nearest images are away, for separations that are d along an axis of this side.
+GRIDLOCK_AVX512 inline __m512d shifts_to_nearest(__m512d d, double side, double by) {
   __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
   __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
-  __m512d const shift = _mm512_maskz_mov_pd(above, _mm512_set1_pd(-side));
-  return _mm512_mask_mov_pd(shift, below, _mm512_set1_pd(side));
+  __m512d const shift = _mm512_maskz_mov_pd(above, _mm512_set1_pd(-by));
+  return _mm512_mask_mov_pd(shift, below, _mm512_set1_pd(by));
+}
+
+/// Returns the shifts of coordinates of separations that lead to the nearest images.
+GRIDLOCK_AVX512 inline __m512d shifts_to_nearest(__m512d d, double side) { return shifts_to_nearest(d, side, side); }
+
+/// Returns x of the separations from the nearest images in an oblique box, which are (now_x, now_y) now.
+[[gnu::noinline]] GRIDLOCK_AVX512 __m512d nearest_in_oblique(PredictionInput const& s, __m512d d_x, __m512d now_x,
+                                                             __m512d now_y) {
+  __m512d const lean = shifts_to_nearest(now_y, s.period_y, s.lean);
+  return _mm512_add_pd(d_x, _mm512_add_pd(lean, shifts_to_nearest(_mm512_add_pd(now_x, lean), s.period_x)));
 }
 
 GRIDLOCK_AVX512 inline __m512d dot(__m512d a_x, __m512d a_y, __m512d b_x, __m512d b_y) {
@@ -182,8 +192,11 @@ template <bool grows>
     __m512d d_x = _mm512_sub_pd(other.x, _mm512_set1_pd(self.x));
     __m512d d_y = _mm512_sub_pd(other.y, _mm512_set1_pd(self.y));
     if (needs_images) {
-      d_x = _mm512_add_pd(d_x, shifts_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now)), s.period_x));
-      d_y = _mm512_add_pd(d_y, shifts_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now)), s.period_y));
+      __m512d const now_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now));
+      __m512d const now_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now));
+      d_x = s.lean == 0.0 ? _mm512_add_pd(d_x, shifts_to_nearest(now_x, s.period_x))
+                          : nearest_in_oblique(s, d_x, now_x, now_y);
+      d_y = _mm512_add_pd(d_y, shifts_to_nearest(now_y, s.period_y));
     }
     d_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, begin));
     d_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, begin));

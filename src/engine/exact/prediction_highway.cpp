@@ -118,11 +118,20 @@ HWY_INLINE Columns columns_of(MovingDisk const* disks, Index const* names) {
 #endif
 }
 
-/// Returns the shifts of coordinates of separations that lead to the nearest images.
-HWY_INLINE Vec shifts_to_nearest(Vec d, double side) {
+/// Returns the shifts by which the nearest images are away, for separations that are d along an axis of this side.
+HWY_INLINE Vec shifts_to_nearest(Vec d, double side, double by) {
   Numbers const tag;
-  Vec const down = hn::IfThenElseZero(hn::Gt(d, hn::Set(tag, 0.5 * side)), hn::Set(tag, -side));
-  return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Set(tag, side), down);
+  Vec const down = hn::IfThenElseZero(hn::Gt(d, hn::Set(tag, 0.5 * side)), hn::Set(tag, -by));
+  return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Set(tag, by), down);
+}
+
+/// Returns the shifts of coordinates of separations that lead to the nearest images.
+HWY_INLINE Vec shifts_to_nearest(Vec d, double side) { return shifts_to_nearest(d, side, side); }
+
+/// Returns x of the separations from the nearest images in an oblique box, which are (now_x, now_y) now.
+HWY_INLINE Vec nearest_in_oblique(PredictionInput const& s, Vec d_x, Vec now_x, Vec now_y) {
+  Vec const lean = shifts_to_nearest(now_y, s.period_y, s.lean);
+  return hn::Add(d_x, hn::Add(lean, shifts_to_nearest(hn::Add(now_x, lean), s.period_x)));
 }
 
 /// The quantities that all candidates of a disk share.
@@ -148,8 +157,10 @@ HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const*
   Vec d_x = hn::Sub(other.x, hn::Set(tag, self.disk.x));
   Vec d_y = hn::Sub(other.y, hn::Set(tag, self.disk.y));
   if (self.needs_images) {
-    d_x = hn::Add(d_x, shifts_to_nearest(hn::Add(d_x, hn::Mul(w_x, time_now)), s.period_x));
-    d_y = hn::Add(d_y, shifts_to_nearest(hn::Add(d_y, hn::Mul(w_y, time_now)), s.period_y));
+    Vec const now_x = hn::Add(d_x, hn::Mul(w_x, time_now));
+    Vec const now_y = hn::Add(d_y, hn::Mul(w_y, time_now));
+    d_x = s.lean == 0.0 ? hn::Add(d_x, shifts_to_nearest(now_x, s.period_x)) : nearest_in_oblique(s, d_x, now_x, now_y);
+    d_y = hn::Add(d_y, shifts_to_nearest(now_y, s.period_y));
   }
   d_x = hn::Add(d_x, hn::Mul(w_x, begin));
   d_y = hn::Add(d_y, hn::Mul(w_y, begin));

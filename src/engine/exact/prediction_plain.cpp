@@ -63,9 +63,12 @@ bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
 /// Returns the separation, at the start of the epoch, from the image nearest now; sides are infinite between walls.
 inline double nearest(double d, double w, double now, double side) { return d + shift_to_nearest(d + w * now, side); }
 
+/// The images of a disk that others may meet.
+enum class Images { none, in_rectangle, in_oblique_box };
+
 /// Finds the time of contact of each disk, or `never` where there is none before its own event. Returns whether a disk
 /// parts so slowly that growth can overtake the pair.
-template <bool grows, bool needs_images>
+template <bool grows, Images images>
 bool find_times(PredictionInput const& s, Index i, double now, Columns& columns) {
   MovingDisk const self = s.disks[i];
   Scale const scale = s.scale;
@@ -77,8 +80,12 @@ bool find_times(PredictionInput const& s, Index i, double now, Columns& columns)
     double const w_y = columns.velocity_y[k] - self.velocity_y;
     double d_x = columns.x[k] - self.x;
     double d_y = columns.y[k] - self.y;
-    if constexpr (needs_images) {
+    if constexpr (images == Images::in_rectangle) {
       d_x = nearest(d_x, w_x, now, period_x);
+      d_y = nearest(d_y, w_y, now, period_y);
+    } else if constexpr (images == Images::in_oblique_box) {
+      double const lean = shift_to_nearest(d_y + w_y * now, period_y, s.lean);
+      d_x += lean + shift_to_nearest((d_x + w_x * now) + lean, period_x);
       d_y = nearest(d_y, w_y, now, period_y);
     }
     d_x += w_x * begin;
@@ -152,8 +159,9 @@ Prediction earliest_of(PredictionInput const& s, Index i, double now, Candidates
     } else {
       std::fill_n(columns.radii, batch, radius + radius);
     }
-    has_slow_ones |=
-        needs_images ? find_times<grows, true>(s, i, now, columns) : find_times<grows, false>(s, i, now, columns);
+    has_slow_ones |= !needs_images   ? find_times<grows, Images::none>(s, i, now, columns)
+                     : s.lean == 0.0 ? find_times<grows, Images::in_rectangle>(s, i, now, columns)
+                                     : find_times<grows, Images::in_oblique_box>(s, i, now, columns);
     First const earliest = first_of(columns.time);
     best = earlier_of(best, earliest.time, earliest.bits, names, s.disks);
   }

@@ -29,6 +29,7 @@ void Dynamics::serialize_lists(Archive& archive) {
   archive.visit("room", lists_.room);
   archive.visit("most_scale", lists_.max_scale);
   if (!archive.is_restoring()) return;
+  archive.require(!x.empty() || !box_.is_oblique() || size_ == 0, "the disks of an oblique box have no places");
   archive.require(x.size() == y.size() && (x.size() == size_ || (x.empty() && lists_.room == 0.0)),
                   "the engine has other disks than the state");
   archive.require(lists_.room >= 0.0 && std::isfinite(lists_.room), "the room of a disk cannot be");

@@ -28,6 +28,7 @@ std::vector<double> limits(int count, double side, double margin) {
 
 SlotGrid::SlotGrid(CellLayout const& layout, Box const& box, double reach)
     : layout_(layout),
+      box_(box),
       has_images_(box.has_images()),
       columns_(layout.columns()),
       rows_(layout.rows()),
@@ -36,6 +37,14 @@ SlotGrid::SlotGrid(CellLayout const& layout, Box const& box, double reach)
       largest_margin_(std::max(margin_of(columns_, box.width(), reach), margin_of(rows_, box.height(), reach))),
       column_limits_(limits(columns_, box.width(), margin_of(columns_, box.width(), reach))),
       row_limits_(limits(rows_, box.height(), margin_of(rows_, box.height(), reach))) {}
+
+/// Returns the columns of for_each_run() in one row of an oblique box. Beyond the lower and the upper edge they lie xy
+/// farther to the right or to the left.
+SlotGrid::Range SlotGrid::columns_in_oblique(std::int32_t row, double lower, double upper) const {
+  double lean = row < 0 ? box_.shift() : row >= rows_ ? -box_.shift() : 0.0;
+  lean -= std::floor((0.5 * (lower + upper) + lean) / box_.width()) * box_.width();
+  return range(lower + lean, upper + lean, layout_.columns_per_length(), columns_, true);
+}
 
 void SlotGrid::insert(Index disk, std::int32_t column, std::int32_t row) {
   for (;;) {

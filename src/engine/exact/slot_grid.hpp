@@ -34,6 +34,8 @@ namespace gridlock::exact {
 ///     ╎ └───────┘ ╎      coordinates change.
 ///     └╌╌╌╌╌╌╌╌╌╌╌┘ ◄─ limits
 ///
+/// In an oblique box the ghosts are not those of the images: there only for_each_run() looks across edges.
+///
 /// Cost: insert, erase O(slots per cell).
 class SlotGrid {
  public:
@@ -54,7 +56,10 @@ class SlotGrid {
   [[nodiscard]] std::int32_t row_of(double y) const { return index_of(y * layout_.rows_per_length(), rows_); }
 
   /// Returns the cell of the image in the box of a position outside it.
-  [[nodiscard]] Cell cell_of_image(Vector place) const { return {layout_.column_of(place.x), layout_.row_of(place.y)}; }
+  [[nodiscard]] Cell cell_of_image(Vector place) const {
+    if (box_.is_oblique()) place = box_.inside(place);
+    return {layout_.column_of(place.x), layout_.row_of(place.y)};
+  }
 
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   /// Number of slots from one row of cells to the next.
@@ -70,9 +75,11 @@ class SlotGrid {
   /// `lower` and `upper`. There are no cells beyond walls.
   template <class Visit>
   void for_each_run(Vector lower, Vector upper, Visit visit) const {
-    Range const columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_, layout_.is_periodic_x());
+    Range columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_, layout_.is_periodic_x());
     Range const rows = range(lower.y, upper.y, layout_.rows_per_length(), rows_, layout_.is_periodic_y());
+    bool const has_all_rows = rows.end - rows.first == rows_;
     for (std::int32_t row = rows.first; row < rows.end; ++row) {
+      if (box_.is_oblique()) columns = has_all_rows ? Range{0, columns_} : columns_in_oblique(row, lower.x, upper.x);
       std::int32_t const inside_row = wrapped(row, rows_);
       for (std::int32_t column = columns.first; column < columns.end;) {
         std::int32_t const inside_column = wrapped(column, columns_);
@@ -107,6 +114,7 @@ class SlotGrid {
     if (last - first >= count - 1) return {0, count};
     return {first, last + 1};
   }
+  [[nodiscard]] Range columns_in_oblique(std::int32_t row, double lower, double upper) const;
   static std::int32_t wrapped(std::int32_t index, std::int32_t count) {
     if (index < 0) return index + count;
     return index >= count ? index % count : index;
@@ -121,6 +129,7 @@ class SlotGrid {
   void double_capacity();
 
   CellLayout layout_;
+  Box box_;
   bool has_images_ = false;
   std::int32_t columns_ = 0;
   std::int32_t rows_ = 0;

@@ -25,6 +25,21 @@ TEST(Start, OnEveryLatticeHasThePackingFractionAskedForAndNoOverlap) {
   }
 }
 
+TEST(Start, InAnObliqueBoxHasThePackingFractionAskedForAndNoOverlap) {
+  for (double const tilt : {0.05, -0.3, 0.45, 0.66}) {
+    Box const box = Box(2.0, 1.5, Edge::periodic).tilted(tilt);
+    for (StartKind const start : {StartKind::square, StartKind::random}) {
+      State const state = make_start(box, {.count = 300, .packing_fraction = 0.45, .start = start}, 7);
+      EXPECT_EQ(state.box, box);
+      EXPECT_NEAR(packing_fraction_of(state), 0.45, 1e-12);
+      EXPECT_NO_THROW(validate(state)) << tilt;
+    }
+    // Few large disks, which an insertion sees across more than one edge.
+    EXPECT_NO_THROW(validate(make_start(box, {.count = 5, .packing_fraction = 0.3, .start = StartKind::random}, 2)));
+    EXPECT_THROW(make_start(box, {.count = 300, .packing_fraction = 0.45, .start = StartKind::triangular}, 7), Error);
+  }
+}
+
 TEST(Start, AtExactlyTheLargestPackingFractionIsValidForAnyNumberOfDisks) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     Box const box(1.0, 1.0, edge);

@@ -92,6 +92,13 @@ const DISKS: Readonly<Record<string, string>> = {
     'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +
     'thermostat = { kind = "brownian", temperature = 0.5, interval = 0.004 }\n' +
     "propulsion = { speed = 1.5, rotational_diffusion = 5 }",
+  oblique:
+    PERIODIC +
+    'box.width = 1.2\nbox.height = 1\nbox.tilt = 0.35\ndisks.count = 300\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nrun.time = 0.5\n' +
+    "disks.species = [{ fraction = 0.1, fixed = true }, { fraction = 0.5 }, { fraction = 0.4, size_ratio = 1.4 }]",
+  oblique_crowd:
+    PERIODIC +
+    'box.width = 1\nbox.height = 1.3\nbox.tilt = -0.25\ndisks.count = 10_000\ndisks.packing_fraction = 0.6\ndisks.start = "square"\nrun.time = 0.05',
   active:
     PERIODIC +
     'box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.5\ndisks.start = "random"\nrun.time = 2\n' +
