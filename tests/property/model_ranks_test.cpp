@@ -177,8 +177,9 @@ TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
   for (std::size_t const agents : {2000U, 8000U}) {
     std::size_t const messages = messages_of(agents, steps);
     EXPECT_GE(messages, steps * (2 + 2)) << "two ranks, and one gathering";
-    EXPECT_LE(messages, steps * (2 + 2 + 2) + 20)
-        << "an order and an answer at most, and what is handed out and gathered";
+    // On a slow machine the root looks after every step whether to stop.
+    EXPECT_LE(messages, steps * (2 + 2 + 2 + 1) + 20)
+        << "an order, an answer and a look at most, and what is handed out and gathered";
   }
 }
 

@@ -51,7 +51,8 @@ def _draw(pressures: dict[float, Estimate], jamming: Estimate | None) -> Figure:
 
 
 def make(context: Context) -> Chapter:
-    rows, of_seed = [], {}
+    rows: list[tuple[float, int, float, float]] = []
+    of_seed: dict[int, dict[float, float]] = {}
     for density, runs in _runs(context).items():
         for number, run in enumerate(runs):
             for outcome in context.outcomes([run]):
