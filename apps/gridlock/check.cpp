@@ -25,10 +25,6 @@ namespace gridlock::cli {
 
 namespace {
 
-std::string in_words(gridlock::Box const& box) {
-  return fmt::format("{} box {} × {}", gridlock::edges_in_words(box), box.width(), box.height());
-}
-
 /// Returns "packing fraction 0.7, radius 0.016, " for agents with a radius; otherwise an empty text.
 std::string sizes_in_words(gridlock::Simulation const& simulation) {
   gridlock::AgentsView const agents = simulation.view();
@@ -43,7 +39,7 @@ void print_setup(gridlock::Setup const& setup) {
   gridlock::Configuration const& configuration = setup.configuration;
   gridlock::ModelKind const& kind = configuration.kind();
   if (setup.simulation == nullptr) {
-    fmt::print("{}, {}\n", in_words(gridlock::make_box(configuration.box)), kind.title(configuration));
+    fmt::print("{}, {}\n", text_of(gridlock::make_box(configuration.box)), kind.title(configuration));
     return;
   }
   gridlock::Simulation const& simulation = *setup.simulation;
@@ -51,7 +47,7 @@ void print_setup(gridlock::Setup const& setup) {
                                ? fmt::format(", step {:.6g} of time", simulation.time_step())
                                : std::string();
   fmt::print("{} {}, {}{}, {}{}\n", simulation.agents(), kind.agents_name(), sizes_in_words(simulation),
-             in_words(simulation.box()), kind.title(configuration), step);
+             text_of(simulation.box()), kind.title(configuration), step);
 }
 
 void print_notes(std::vector<std::vector<gridlock::Event>> const& notes) {

@@ -20,11 +20,13 @@
 #include "gridlock/analysis/spectral_density.hpp"
 #include "gridlock/analysis/voronoi.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "io/file.hpp"
 #include "pictures.hpp"
 #include "simulation/packing_analysis.hpp"
+#include "terminal.hpp"
 #include "verbs.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/run_files.hpp"
@@ -40,7 +42,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string path;
   std::optional<std::int64_t> frame;
-  std::string potential = "harmonic";
+  std::string potential;  ///< empty: that of the run, or harmonic
   PackingQuestions questions;
   std::optional<double> radius;
   std::optional<double> packing_fraction;
@@ -59,6 +61,19 @@ void set_radii(State& state, double radius) { std::ranges::fill(state.agents.col
 fs::path packing_file(Options const& options) {
   std::error_code ignored;
   return fs::is_directory(options.path, ignored) ? fs::path(options.path) / "final.xyz" : fs::path(options.path);
+}
+
+/// Returns the potential that is asked for, otherwise that of the protocol in the directory.
+Potential potential_of(Options const& options) {
+  if (!options.potential.empty()) return options.potential == "harmonic" ? Potential::harmonic : Potential::hertzian;
+  fs::path const settings = fs::path(options.path) / "config.resolved.toml";
+  std::error_code ignored;
+  if (!fs::exists(settings, ignored)) return Potential::harmonic;
+  try {
+    return read_configuration(SettingsFile::from_path(settings)).soft.potential;
+  } catch (Error const&) {
+    return Potential::harmonic;  // the settings of another program
+  }
 }
 
 State read_packing(Options const& options) {
@@ -179,8 +194,7 @@ void print_notes(PackingAnalysis const& analysis) {
 }
 
 void print_summary(State const& state, std::string const& path, Json const& summary) {
-  fmt::print("{} disks in {}\n  {} box {} × {}\n", state.agents.size(), path, edges_in_words(state.box),
-             state.box.width(), state.box.height());
+  fmt::print("{} disks in {}\n  {}\n", state.agents.size(), path, text_of(state.box));
   for (auto const& [name, value] : summary.items()) {
     std::string const text = value.is_number_float() ? fmt::format("{:.10g}", value.get<double>())
                              : value.is_string()     ? value.get<std::string>()
@@ -193,7 +207,7 @@ void print_summary(State const& state, std::string const& path, Json const& summ
 ExitCode contacts(Options const& options) {
   State const state = read_packing(options);
   PackingQuestions questions = options.questions;
-  questions.potential = options.potential == "harmonic" ? Potential::harmonic : Potential::hertzian;
+  questions.potential = potential_of(options);
   PackingAnalysis const analysis = analyse_packing(state, questions);
   Json summary = summary_of(analysis);
   summary["local_bond_orientation_order"] = local_order(analysis.packing);
@@ -235,7 +249,8 @@ void add_contacts(CLI::App& app, ExitCode& exit_code) {
       number_that("above 0", [](double value) { return value > 0.0 && std::isfinite(value); });
   verb->add_option("FILE", options->path, "Extended XYZ with radii, or the directory of a run")->required();
   verb->add_option("--frame", options->frame, "Of a file with several: from 0, or from -1 for the last");
-  verb->add_option("--potential", options->potential, "What overlaps cost: harmonic δ²/2, hertzian 2 δ^(5/2)/5")
+  verb->add_option("--potential", options->potential,
+                   "What overlaps cost: harmonic δ²/2, hertzian 2 δ^(5/2)/5; by default as in the run")
       ->check(one_of({"harmonic", "hertzian"}));
   verb->add_option("--tolerance", options->questions.tolerance,
                    "Gaps below this share of the distance are contacts, for hard disks")

@@ -33,17 +33,23 @@ std::string bytes_text(double bytes) {
   return bytes >= gigabyte ? fmt::format("{:.1f} GB", bytes / gigabyte) : fmt::format("{:.0f} MB", bytes / 1e6);
 }
 
-/// Returns a stage in words: "decompress: until_pressure = 1e-8".
-std::string in_words(StageSettings stage) {
-  std::string text;
+std::vector<std::string> lines_of(StageSettings stage) {
+  std::vector<std::string> lines;
   std::string const settings = to_toml([&](SettingVisitor& visitor) { describe(stage, visitor); });
   for (std::size_t at = 0; at < settings.size();) {
     std::size_t const end = std::min(settings.find('\n', at), settings.size());
-    std::string const line = settings.substr(at, end - at);
+    lines.push_back(settings.substr(at, end - at));
     at = end + 1;
-    // Choices are in the text of every stage, also of one that does not have them.
-    if (!has_setting(stage.kind, line.substr(0, line.find(" = ")))) continue;
-    text += (text.empty() ? ": " : ", ") + line;
+  }
+  return lines;
+}
+
+/// Returns a stage in words: "decompress: until_pressure = 1e-8".
+std::string in_words(StageSettings const& stage) {
+  std::string text;
+  std::vector<std::string> const usual = lines_of({.kind = stage.kind});
+  for (std::string const& line : lines_of(stage)) {
+    if (std::ranges::find(usual, line) == usual.end()) text += (text.empty() ? ": " : ", ") + line;
   }
   return stage.kind + text;
 }

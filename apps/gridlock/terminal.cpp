@@ -108,6 +108,11 @@ void ProgressLine::show(double fraction, std::string const& what) {
   std::fflush(stderr);
 }
 
+std::string text_of(Box const& box) {
+  std::string const tilt = box.is_oblique() ? fmt::format(", tilt {:.6g}", box.tilt()) : "";
+  return fmt::format("{} box {} × {}{}", edges_in_words(box), box.width(), box.height(), tilt);
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
   auto const whole = static_cast<long long>(std::llround(seconds));

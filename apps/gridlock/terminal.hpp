@@ -3,6 +3,8 @@
 #include <chrono>
 #include <string>
 
+#include "gridlock/core/box.hpp"
+
 namespace gridlock::cli {
 
 /// Handles requests to stop. Ctrl-C, SIGTERM and SIGUSR1 are recorded, and the work checks for them after each chunk. A
@@ -45,6 +47,9 @@ class ProgressLine {
   double last_fraction_ = 0.0;
   Clock::time_point last_time_;
 };
+
+/// Returns a box as text: "periodic box 1 × 1, tilt 0.3".
+std::string text_of(Box const& box);
 
 /// Returns a duration as text: 93 s → "1 min 33 s".
 std::string duration_text(double seconds);

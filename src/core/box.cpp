@@ -31,9 +31,10 @@ Box::Box(double width, double height, Edge edge_x, Edge edge_y)
 }
 
 Box Box::shifted(double shift) const {
-  if (!std::isfinite(shift)) {
+  // Beyond a million widths the part that is left has lost its digits.
+  if (!(std::abs(shift) <= 1e6 * width_)) {
     throw Error({.what = "the tilt of the box is " + number_text(shift / height_),
-                 .hint = "give box.tilt, xy over the height, as a finite number",
+                 .hint = "give box.tilt, xy over the height, as a number of at most a million widths over the height",
                  .key = "box.tilt"});
   }
   if (shift != 0.0 && !is_periodic()) {

@@ -111,6 +111,7 @@ EnergyTable::EnergyTable(std::span<double const> distances, std::span<double con
   double const bins = std::min(std::ceil(range / shortest), most_bins_a_piece * static_cast<double>(pieces_.size()));
   first_piece_.assign(static_cast<std::size_t>(bins), 0);
   bins_per_distance_ = bins / range;
+  distance_at_end_ = distances.back();
   // A piece that begins in an earlier bin begins before all distances of this bin, since bin_of() never falls.
   std::size_t bin = 0;
   for (std::size_t k = 0; k + 1 < pieces_.size(); ++k) {
@@ -124,6 +125,41 @@ double EnergyTable::largest_push() const {
   double largest = 0.0;
   for (Piece const& piece : pieces_) largest = std::max(largest, std::abs(piece.slope) / piece.from);
   return largest;
+}
+
+void EnergyTable::require_no_swing() const {
+  constexpr double allowed = 0.01;              // of the range of the rows around
+  std::size_t const last = pieces_.size() - 2;  // the last piece
+  auto const row = [&](std::size_t k) { return k > last ? 0.0 : pieces_[k].energy; };
+  for (std::size_t k = 0; k <= last; ++k) {
+    std::size_t const first = k == 0 ? 0 : k - 1;
+    std::size_t const end = std::min(k + 2, last + 1);
+    bool rises = true;
+    bool falls = true;
+    for (std::size_t m = first; m < end; ++m) {
+      rises &= row(m + 1) >= row(m);
+      falls &= row(m + 1) <= row(m);
+    }
+    if (!rises && !falls) continue;  // next to a minimum or a maximum of the rows a spline may pass them
+    auto const [low, high] = std::minmax(row(k), row(k + 1));
+    // The slope is a parabola, a + b t + c t²; where it vanishes within the piece the spline turns back.
+    Piece const& piece = pieces_[k];
+    double const root = piece.square * piece.square - 3.0 * piece.cube * piece.slope;
+    if (!(root > 0.0)) continue;
+    for (double const sign : {-1.0, 1.0}) {
+      double const t = -piece.slope / (piece.square + sign * std::sqrt(root));
+      double const length = k == last ? distance_at_end_ - piece.from : pieces_[k + 1].from - piece.from;
+      if (!(t > 0.0 && t < length)) continue;
+      double const reached = piece.energy + t * (piece.slope + t * (piece.square + t * piece.cube));
+      double const beyond = std::max(low - reached, reached - high);
+      if (beyond <= allowed * std::abs(row(end) - row(first))) continue;
+      refuse_table(
+          fmt::format("the spline through the table of the potential turns back between the distances {:.6g} and "
+                      "{:.6g}, whose energies are {:.6g} and {:.6g} above that of the last row: it reaches {:.3g}",
+                      piece.from, piece.from + length, row(k), row(k + 1), reached),
+          "give more rows there, or energies without a kink", "potential.energies");
+    }
+  }
 }
 
 void require_table(std::span<double const> distances, std::span<double const> energies) {
@@ -150,6 +186,7 @@ void require_table(std::span<double const> distances, std::span<double const> en
     refuse_table(fmt::format("the table of the potential ends at {}, below the contact distance 1", distances.back()),
                  "distances are in sums of two radii; choose larger radii", "potential.distances");
   }
+  EnergyTable(distances, energies).require_no_swing();
 }
 
 }  // namespace gridlock

@@ -46,6 +46,9 @@ class EnergyTable {
   }
   /// Returns the largest size of the slope over the distance at the rows.
   [[nodiscard]] double largest_push() const;
+  /// Throws Error where rows rise or fall, and the spline turns back between two of them by more than a hundredth of the
+  /// energies around: it has a well or a hill that the rows do not have.
+  void require_no_swing() const;
 
  private:
   /// A polynomial of the distance from `from`, up to where the next piece begins.
@@ -73,9 +76,10 @@ class EnergyTable {
   std::vector<Piece> pieces_;               ///< and one more at infinity
   std::vector<std::uint32_t> first_piece_;  ///< of each bin: a piece that no distance in the bin lies before
   double bins_per_distance_ = 0.0;
+  double distance_at_end_ = 0.0;
 };
 
-/// Errors: Error for rows of which no spline can be made, for the keys potential.distances and potential.energies.
+/// Errors: Error for rows of which no spline can be made, or one that turns back between them, for the keys potential.distances and potential.energies.
 void require_table(std::span<double const> distances, std::span<double const> energies);
 
 }  // namespace gridlock

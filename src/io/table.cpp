@@ -266,7 +266,11 @@ std::string to_csv(Table const& table) {
 
 void write_csv(Table const& table, std::filesystem::path const& path) { write_file(path, to_csv(table)); }
 
-Table parse_csv(std::string_view text, std::string const& name) { return CsvReader(text, name).read(); }
+Table parse_csv(std::string_view text, std::string const& name) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets begin a file with it
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  return CsvReader(text, name).read();
+}
 
 Table read_csv(std::filesystem::path const& path) {
   if (auto const format = recognize_format(path)) throw wrong_format(*format, path.string(), "a table (CSV)");

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -40,8 +42,9 @@ Attached<LineFlux::Side> LineFlux::sides_of(Snapshot const& now) const {
   return now.attached<Side>([&](std::size_t i) {
     Site const site = sites[i];
     // By images no rounding of an unwrapped position moves an agent across the line.
-    return is_vertical() ? Side{site.image_x + (site.x >= position ? 1 : 0)}
-                         : Side{site.image_y + (site.y >= position ? 1 : 0)};
+    if (!is_vertical()) return Side{site.image_y + (site.y >= position ? 1 : 0)};
+    if (!now.box.is_oblique()) return Side{site.image_x + (site.x >= position ? 1 : 0)};
+    return Side{site.image_x + 1 + static_cast<std::int32_t>(std::floor((site.x - position) / now.box.width()))};
   });
 }
 

@@ -189,6 +189,7 @@ StageRecord swap_stage() {
           .ends = {"sweeps"},
           .table_of_errors = "swap",
           .needs_no_overlaps = true,
+          .needs_rectangle = true,
           .make = make_stage<SwapStage>};
 }
 

@@ -235,6 +235,11 @@ void describe(SoftSettings& settings, SettingVisitor& visitor) {
       settings.residual);
 }
 
+bool tilts(StageSettings const& stage) {
+  bool const deforms = contains(stage_record(stage.kind).settings, "deformation");
+  return stage.box_shape == BoxShape::free || (deforms && stage.deformation == Deformation::simple_shear);
+}
+
 void require_valid(std::vector<StageSettings> const& stages, std::optional<double> packing_fraction) {
   std::vector<Problem> problems;
   StageRecord const* before = nullptr;
@@ -249,6 +254,13 @@ void require_valid(std::vector<StageSettings> const& stages, std::optional<doubl
                    fmt::format("a stage \"{}\" of hard disks cannot begin where \"{}\" leaves overlaps", record.name,
                                before->name),
                    "put a stage \"separate\" between the two");
+    }
+    auto const tilting = std::find_if(stages.begin(), stages.begin() + static_cast<std::ptrdiff_t>(k), tilts);
+    if (record.needs_rectangle && tilting != stages.begin() + static_cast<std::ptrdiff_t>(k)) {
+      check.report("",
+                   fmt::format("a stage \"{}\" knows rectangles only, and the stage \"{}\" before it leaves a tilt",
+                               record.name, tilting->kind),
+                   "put it in front of that stage");
     }
     before = &record;
   }

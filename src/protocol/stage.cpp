@@ -30,11 +30,6 @@ std::vector<std::string> stage_kinds() {
   return kinds;
 }
 
-bool has_setting(std::string_view kind, std::string_view setting) {
-  std::vector<std::string_view> const& settings = stage_record(kind).settings;
-  return std::ranges::find(settings, setting) != settings.end();
-}
-
 bool leaves_overlaps(std::string_view kind) { return stage_record(kind).leaves_overlaps; }
 
 std::optional<double> packing_fraction_at_end(StageSettings const& stage, std::optional<double> /*before*/) {

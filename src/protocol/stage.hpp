@@ -69,6 +69,7 @@ struct StageRecord {
   bool needs_no_overlaps = false;                 ///< whether the stage before must leave hard disks
   bool leaves_overlaps = false;                   ///< to be set by a stage that keeps overlaps, too
   bool has_soft_disks = false;                    ///< whether it needs the same edges along x and y
+  bool needs_rectangle = false;                   ///< whether it knows no oblique boxes
   bool needs_images = false;                      ///< whether it needs a box that is periodic along x and y
   bool ends_near_jamming = false;                 ///< whether it brings hard disks near jamming
   bool may_end_without_pressure = false;          ///< whether the next stage may press the disks together

@@ -285,8 +285,9 @@ class DisksKind final : public ModelKind {
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_counted_collisions(configuration.engine, configuration.run);
-    require_no_places_along_flow(configuration.engine, configuration.observe);
+    require_no_places_along_flow(configuration);
     require_valid(configuration.protocol);
+    require_known_tilt(configuration);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {
       throw Error({.what = "the stages of a protocol know no walls inside the box",
                    .hint = "take [[protocol]] or [[walls]] out",
@@ -413,6 +414,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   });
   if (!configuration.protocol.empty()) {
     std::ranges::move(notes_on_ends(configuration.protocol), std::back_inserter(setup.notes));
+    if (auto note = other_potential(configuration)) setup.notes.push_back(*std::move(note));
     setup.simulation = prepared_simulation(configuration, settings, std::move(own));
     return;
   }

@@ -10,6 +10,8 @@
 
 #include "core/temperature.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/protocol/settings.hpp"
+#include "simulation/expected_work.hpp"
 
 namespace gridlock {
 
@@ -159,19 +161,47 @@ void require_counted_collisions(EngineSettings const& settings, RunSettings cons
        .key = "run.collisions_per_disk"});
 }
 
-void require_no_places_along_flow(EngineSettings const& settings, ObserveSettings const& observe) {
-  if (!settings.flow.exists()) return;
+void require_no_places_along_flow(Configuration const& configuration) {
+  ObserveSettings const& observe = configuration.observe;
+  bool const flows = configuration.engine.flow.exists();
+  if (!flows && configuration.box.tilt == 0.0) return;
   auto const refuse = [](char const* what, char const* hint, char const* key) {
     throw Error({.what = what, .hint = hint, .key = key});
   };
   if (observe.density_profile == ProfileAxes::x || observe.density_profile == ProfileAxes::both) {
-    refuse("a flow leaves no places along x, so there is no density profile along x",
+    refuse(flows ? "a flow leaves no places along x, so there is no density profile along x"
+                 : "an oblique box has no places along x, so there is no density profile along x",
            "use observe.density_profile = \"y\"", "observe.density_profile");
   }
-  if (observe.flux_line == FluxLine::vertical) {
+  if (flows && observe.flux_line == FluxLine::vertical) {
     refuse("a flow carries the images of a vertical line away from it, so there is no flux through it",
            "use observe.flux_line = \"horizontal\"", "observe.flux_line");
   }
+}
+
+void require_known_tilt(Configuration const& configuration) {
+  auto const& stages = configuration.protocol;
+  EngineRecord const& engine = engine_record(configuration.engine.kind);
+  auto const tilting = std::ranges::find_if(stages, tilts);
+  if (engine.has_oblique_boxes || tilting == stages.end() || !takes_steps(configuration)) return;
+  throw Error(
+      {.what = fmt::format("the engine \"{}\" knows rectangles only, and the stage \"{}\" of the protocol leaves "
+                           "a tilt",
+                           engine.name, tilting->kind),
+       .hint = "use engine.kind = \"exact\" or \"soft\", or give [run] no length",
+       .key = "engine.kind"});
+}
+
+std::optional<Event> other_potential(Configuration const& configuration) {
+  auto const& stages = configuration.protocol;
+  EngineSettings const& engine = configuration.engine;
+  if (stages.empty() || !leaves_overlaps(stages.back().kind) || !takes_steps(configuration)) return std::nullopt;
+  if (!engine_record(engine.kind).has_potential) return std::nullopt;
+  std::string const pressed = configuration.soft.potential == Potential::harmonic ? "harmonic" : "hertzian";
+  std::string const moved(to_text(engine.potential.kind));
+  if (pressed == moved) return std::nullopt;
+  return Event{
+      .kind = EventKind::other_potential, .key = "potential.kind", .values = {{"protocol", pressed}, {"run", moved}}};
 }
 
 }  // namespace gridlock

@@ -41,6 +41,11 @@ std::string unused_of_potential(PairPotential kind, std::string_view key);
 void require_counted_collisions(EngineSettings const& settings, RunSettings const& run);
 
 /// Errors: Error for observables along x in a flow, where the images above are shifted.
-void require_no_places_along_flow(EngineSettings const& settings, ObserveSettings const& observe);
+void require_no_places_along_flow(Configuration const& configuration);
+
+/// Errors: Error for a run of steps whose engine knows rectangles only, behind a stage that leaves a tilt.
+void require_known_tilt(Configuration const& configuration);
+/// Returns a note where soft disks move with another potential than that of the stages before.
+std::optional<Event> other_potential(Configuration const& configuration);
 
 }  // namespace gridlock

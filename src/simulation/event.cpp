@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 43> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 44> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -28,6 +28,7 @@ constexpr std::array<std::string_view, 43> kind_texts{"unused_setting",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
                                                       "stage_with_two_ends",
+                                                      "other_potential",
                                                       "velocities_drawn",
                                                       "masses_assumed",
                                                       "columns_unused",
@@ -189,6 +190,11 @@ std::string text_of_setup(Event const& event) {
     case EventKind::stage_with_two_ends:
       return fmt::format("stage {} of the protocol, \"{}\", has two ends, {}: the one that it reaches first ends it",
                          of.count("stage"), of.word("name"), of.word("ends"));
+    case EventKind::other_potential:
+      return fmt::format(
+          "the protocol presses disks with soft.potential = \"{}\", and the run moves them with "
+          "potential.kind = \"{}\": forces change where it begins",
+          of.word("protocol"), of.word("run"));
     default:
       return fmt::format(
           "the random start was not tried, since that takes about {:.0f} s; gridlock run will tell "

@@ -100,7 +100,7 @@ std::vector<ResultEntry> soft_entries() {
        [](StageResult const& stage) { return number(stage.is_converged.value_or(false)); }},
       {{"is_jammed", "", "1 where forces balance, with pressure and enough contacts and no way down, else 0."},
        [](StageResult const& stage) { return number(stage.is_jammed.value_or(false)); }},
-      {{"is_shear_stable", "", "1 where every shear costs energy, else 0."},
+      {{"is_shear_stable", "", "1 where least_shear_modulus is above 0, else 0."},
        [](StageResult const& stage) { return number(stage.levels.back().least_shear_modulus > 0.0); }},
       {{"is_compression_stable", "", "1 where a smaller box costs energy, else 0; its moduli are left out then."},
        [](StageResult const& stage) -> std::optional<double> {

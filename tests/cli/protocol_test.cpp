@@ -185,8 +185,8 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
        "deformation = \"pure_shear\""},
       {"stage = \"shear\"\ndeformation = \"pure_shear\"\nuntil_strain = 2.0", "pure shear until 2",
        "until_strain = 2.0"},
-      {"stage = \"shear\"\nuntil_strain = 0.1\ncycles = 2\nuntil_stress = 1e-3", "cycles of strain cannot end at a stress",
-       "until_stress = 1e-3"},
+      {"stage = \"shear\"\nuntil_strain = 0.1\ncycles = 2\nuntil_stress = 1e-3",
+       "cycles of strain cannot end at a stress", "until_stress = 1e-3"},
       {"stage = \"shear\"\nuntil_strain = 0.1\nbox_shape = \"free\"", "a stage \"shear\" has no setting box_shape",
        "box_shape = \"free\""},
       {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
@@ -297,6 +297,37 @@ TEST(Protocol, ShearsTheBoxAndTellsTheStressAndItsDrops) {
   Outcome const walled = gridlock::test::gridlock({"check", scene, "--set", "box.edge=\"wall\""}, workplace.path());
   EXPECT_EQ(walled.exit_code, 2);
   EXPECT_NE(walled.err.find("a stage \"shear\" in a box that is walled"), std::string::npos) << walled.err;
+  write(workplace / "hertzian.toml",
+        "box = { edge = \"periodic\", tilt = 0.25 }\nsoft.potential = \"hertzian\"\n"
+        "disks = { count = 32, packing_fraction = 0.9, start = \"uniform\" }\n[[protocol]]\nstage = \"quench\"\n");
+  expect_good(gridlock::test::gridlock({"run", "hertzian.toml", "-o", "hertzian", "-q"}, workplace.path()));
+  Outcome const hertzian = gridlock::test::gridlock({"contacts", "hertzian"}, workplace.path());
+  EXPECT_NE(hertzian.out.find("is_converged                     true"), std::string::npos) << hertzian.out;
+  EXPECT_NE(hertzian.out.find("periodic box 1 × 1, tilt 0.25"), std::string::npos) << hertzian.out;
+  Outcome const moved = gridlock::test::gridlock(
+      {"check", "hertzian.toml", "--set", "engine.kind=\"soft\"", "--set", "run.steps=10"}, workplace.path());
+  EXPECT_NE(moved.err.find("the protocol presses disks with soft.potential = \"hertzian\", and the run moves them with "
+                           "potential.kind = \"harmonic\""),
+            std::string::npos)
+      << moved.err;
+  Outcome const stepped = gridlock::test::gridlock(
+      {"check", scene, "--set", "protocol=[{stage=\"quench\",box_shape=\"free\"},{stage=\"separate\"}]", "--set",
+       "run.steps=10"},
+      workplace.path());
+  EXPECT_EQ(stepped.exit_code, 2);
+  EXPECT_NE(stepped.err.find("the engine \"stepped\" knows rectangles only, and the stage \"quench\" of the protocol "
+                             "leaves a tilt"),
+            std::string::npos)
+      << stepped.err;
+  Outcome const swapped = gridlock::test::gridlock(
+      {"check", scene, "--set",
+       "protocol=[{stage=\"quench\",box_shape=\"free\"},{stage=\"separate\"},{stage=\"swap\",sweeps=10}]"},
+      workplace.path());
+  EXPECT_EQ(swapped.exit_code, 2);
+  EXPECT_NE(
+      swapped.err.find("a stage \"swap\" knows rectangles only, and the stage \"quench\" before it leaves a tilt"),
+      std::string::npos)
+      << swapped.err;
   Outcome const free = gridlock::test::gridlock(
       {"check", (scenes / "shear_stable.toml").string(), "--set", "box.edge=\"wall\""}, workplace.path());
   EXPECT_EQ(free.exit_code, 2);

@@ -71,6 +71,7 @@ TEST(ObliqueBox, KeepsTheTiltBetweenHalfABoxToEachSide) {
   EXPECT_THROW(static_cast<void>(Box(1.0, 1.0, Edge::wall).tilted(0.1)), Error);
   EXPECT_THROW(static_cast<void>(Box(1.0, 1.0, Edge::periodic, Edge::wall).tilted(0.1)), Error);
   EXPECT_THROW(static_cast<void>(box.tilted(std::nan(""))), Error);
+  EXPECT_THROW(static_cast<void>(box.tilted(1e20)), Error) << "its rest has no digits";
   EXPECT_EQ(Box(1.0, 1.0, Edge::wall).tilted(0.0), Box(1.0, 1.0, Edge::wall));
 }
 

@@ -54,11 +54,11 @@ void describe(SoftSettings& settings, SettingVisitor& visitor);
 /// Returns the kinds of stages: "grow", "run" …
 std::vector<std::string> stage_kinds();
 
-/// Returns whether a stage of this kind has a setting. Errors: Error for a kind that is not in stage_kinds().
-bool has_setting(std::string_view kind, std::string_view setting);
-
 /// Returns whether disks may overlap at the end of a stage. Errors: Error for a kind that is not in stage_kinds().
 bool leaves_overlaps(std::string_view kind);
+
+/// Returns whether a stage leaves a tilt. Errors: Error for a kind that is not in stage_kinds().
+bool tilts(StageSettings const& stage);
 
 /// Throws Error, with the setting, for a stage of an unknown kind, with settings of other kinds, without a setting that
 /// it needs, that cannot follow the stage before, or that ends at a packing fraction on the wrong side of that of its

@@ -36,6 +36,7 @@ enum class EventKind {
   fast_on_ranks,        ///< disks are so fast that processes often wait for one another
   start_not_tried,      ///< the start would take long and was left out
   stage_with_two_ends,  ///< a stage has two ends; it stops at the first
+  other_potential,      ///< the run moves soft disks with another potential than the protocol
   velocities_drawn,     ///< the start file has no velocities
   masses_assumed,       ///< the start file has momenta and no masses; masses are taken as 1
   columns_unused,       ///< columns of the start file are not used

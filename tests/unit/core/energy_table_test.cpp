@@ -123,5 +123,28 @@ TEST(EnergyTable, RefusesRowsOfWhichNoPotentialCanBeMade) {
             "potential.distances: the table of the potential ends at 0.8, below the contact distance 1");
 }
 
+TEST(EnergyTable, IsRefusedWhereItsSplineTurnsBackBetweenRowsThatOnlyFall) {
+  auto const steep = [](std::size_t spacings) {
+    std::pair<std::vector<double>, std::vector<double>> rows;
+    for (std::size_t k = 0; k <= spacings; ++k) {
+      double const r = 0.8 + 0.7 * static_cast<double>(k) / static_cast<double>(spacings);
+      rows.first.push_back(r);
+      rows.second.push_back(std::pow(r, -36.0));
+    }
+    return rows;
+  };
+  auto const [coarse_x, coarse_y] = steep(14);
+  std::string const problem = problem_of(coarse_x, coarse_y);
+  EXPECT_NE(problem.find("potential.energies: the spline through the table of the potential turns back between the "
+                         "distances 0.85 and 0.9"),
+            std::string::npos)
+      << problem;
+  auto const [fine_x, fine_y] = steep(56);
+  EXPECT_EQ(problem_of(fine_x, fine_y), "");
+  EXPECT_NE(problem_of({0.9, 0.95, 1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3}, {50, 20, 1, 1, 1, 1, 1, 0, 0}), "");
+  // A well that the rows have is one.
+  EXPECT_EQ(problem_of({0.9, 1.0, 1.1, 1.2, 1.3, 1.4}, {4.0, 0.5, -1.0, -0.9, -0.3, 0.0}), "");
+}
+
 }  // namespace
 }  // namespace gridlock

@@ -86,7 +86,7 @@ TEST(Table, CountsCanBeTakenAsNumbersAndWordsCannot) {
 }
 
 TEST(Table, ReadsWhatOtherProgramsWrite) {
-  Table const table = parse_csv("# made by hand\r\na, b,\"c\"\r\n\r\n1, 2.5,3\r\n-4,,+6\r\n", "hand.csv");
+  Table const table = parse_csv("\xEF\xBB\xBF# made by hand\r\na, b,\"c\"\r\n\r\n1, 2.5,3\r\n-4,,+6\r\n", "hand.csv");
   EXPECT_EQ(table.names(), (Words{"a", "b", "c"}));
   EXPECT_EQ(table.numbers("a"), (Numbers{1.0, -4.0}));
   EXPECT_EQ(table.numbers("b")[0], 2.5);

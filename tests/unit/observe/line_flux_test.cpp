@@ -54,6 +54,31 @@ TEST(LineFlux, CountsCrossingsInEachDirectionAndDividesByTheTime) {
   EXPECT_EQ(row_of(box, FluxLine::horizontal, std::nullopt, from, to), (std::vector<double>{1, 1, 0.5, 0.5, 0.0}));
 }
 
+TEST(LineFlux, CountsNothingWhereADiskGoesStraightUpThroughAnObliqueBox) {
+  Box const box = Box(4.0, 10.0, Edge::periodic).tilted(0.15);
+  auto const disk_at = [&](Vector place) {
+    State state = disks_at(box, {{0.0, 0.0}});
+    int crossed_x = 0;
+    int crossed_y = 0;
+    for (double up = place.y; up >= box.height(); up -= box.height()) ++crossed_y;
+    Vector p{place.x - crossed_y * box.shift(), place.y - crossed_y * box.height()};
+    p = box.wrap(p, crossed_x, crossed_y);
+    put(state, 0, p);
+    state.agents.column<ImageX>()[0] = crossed_x;
+    state.agents.column<ImageY>()[0] = crossed_y;
+    return state;
+  };
+  LineFlux flux(FluxLine::vertical, 1.0);
+  flux.begin({disk_at({2.9, 1.0}), {}});
+  State up = disk_at({2.9, 21.0});
+  up.clock.time = 1.0;
+  EXPECT_EQ(up.agents.column<ImageY>()[0], 2);
+  EXPECT_EQ(sample(flux, up)[4], 0.0);
+  State right = disk_at({5.1, 21.0});
+  right.clock.time = 2.0;
+  EXPECT_EQ(sample(flux, right)[4], 1.0);
+}
+
 TEST(LineFlux, CountsEveryImageOfTheLineThatADiskPassesAroundThePeriodicBox) {
   Box const box(4.0, 10.0, Edge::periodic);
   auto const crossings = [&](double from, double to) {
