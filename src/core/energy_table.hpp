@@ -46,8 +46,8 @@ class EnergyTable {
   }
   /// Returns the largest size of the slope over the distance at the rows.
   [[nodiscard]] double largest_push() const;
-  /// Throws Error where rows rise or fall, and the spline turns back between two of them by more than a hundredth of the
-  /// energies around: it has a well or a hill that the rows do not have.
+  /// Throws Error where rows rise or fall, and the spline turns back between two of them by more than a hundredth of
+  /// the energies around: it has a well or a hill that the rows do not have.
   void require_no_swing() const;
 
  private:
@@ -79,7 +79,8 @@ class EnergyTable {
   double distance_at_end_ = 0.0;
 };
 
-/// Errors: Error for rows of which no spline can be made, or one that turns back between them, for the keys potential.distances and potential.energies.
+/// Errors: Error, for the keys potential.distances and potential.energies, for rows of which no spline can be made, or
+/// one that turns back between them.
 void require_table(std::span<double const> distances, std::span<double const> energies);
 
 }  // namespace gridlock
