@@ -24,7 +24,7 @@ void add_box(std::vector<HessianEntry>& entries, std::span<Contact const> contac
     Vector const pure = block * stretches[0];
     Vector const simple = block * stretches[1];
     for (auto const& [disk, sign] : {std::pair{contact.first, -1.0}, std::pair{contact.second, 1.0}}) {
-      double* const row = &rows[4 * disk];
+      double* const row = &rows[std::size_t{4} * disk];
       row[0] += sign * pure.x;
       row[1] += sign * pure.y;
       row[2] += sign * simple.x;
