@@ -225,7 +225,12 @@ Box box_of_disks(Lines const& lines, Header const& header) {
     lines.refuse(fmt::format("the box has the shift {:.6g} and walls", header.sides->shift),
                  "only a box that is periodic along x and y can be oblique: pbc=\"T T F\"", lattice);
   }
-  return rectangle.shifted(header.sides->shift);
+  try {
+    return rectangle.shifted(header.sides->shift);
+  } catch (Error const& error) {
+    lines.refuse(error.problems().front().what,
+                 "its images are those of a box with a shift below half of the width: give that", lattice);
+  }
 }
 
 }  // namespace gridlock::xyz
