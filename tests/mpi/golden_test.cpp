@@ -18,9 +18,9 @@ TEST(MpiGolden, HasTheBitsOfTheTableOnAnyNumberOfRanksAndThreads) {
   Workplace const workplace;
   gridlock::HashTable disks("hashes.csv");
   gridlock::HashTable models("models.csv");
-  for (int const ranks : {1, 2, 3, 4, 6, 9}) {
-    // On few ranks with one thread and two, and on many with one alone.
-    for (char const* const threads : ranks <= 3 ? std::vector{"1", "2"} : std::vector{"1"}) {
+  // Ranks that are threads of one process have these bits on more numbers of ranks, in the property tests.
+  for (int const ranks : {1, 2, 3, 6}) {
+    for (char const* const threads : ranks == 3 ? std::vector{"1", "2"} : std::vector{"1"}) {
       Outcome const outcome = mpirun(workplace, {"-n", std::to_string(ranks), GRIDLOCK_MPI_GOLDEN, threads}).wait();
       expect_good(outcome);
       std::istringstream lines(outcome.out);

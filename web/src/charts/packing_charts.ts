@@ -12,7 +12,7 @@ const RESULTS: readonly { name: string; label: string; hint: string; isVerdict?:
   { name: "shear_modulus", label: "Shear modulus G, ε/D²", hint: "The mean over all directions." },
   { name: "least_shear_modulus", label: "Softest G, ε/D²", hint: "Against the shear that costs least; below 0 the packing gives way to it." },
   { name: "is_jammed", label: "Jammed", hint: "Forces balance, with pressure and enough contacts and no way down.", isVerdict: true },
-  { name: "is_shear_stable", label: "Stable against shear", hint: "Every shear costs energy.", isVerdict: true },
+  { name: "is_shear_stable", label: "Stable against shear", hint: "The softest G is above 0.", isVerdict: true },
   { name: "shear_strain", label: "Strain γ", hint: "At the end of the last shear." },
   { name: "first_shear_modulus", label: "First slope dσ/dγ, ε/D²", hint: "Of the shear stress against the strain, in the first step." },
   { name: "shear_events", label: "Rearrangements", hint: "Drops of the shear stress, in each of which some disks slip past others." },

@@ -9,7 +9,7 @@ import { SCENES } from "../../src/playground/scenes.ts";
 
 /** On the page of every scene. */
 const EVERYWHERE = ["Run", "Restart", "Single step", "Rate", "state hash", "Scene", "Colour by"];
-const OF_PACKINGS = ["Contact number"];
+const OF_PACKINGS = ["Contact number", "Stable against shear"];
 const OF_SHEAR = ["Stress against strain", "Pressure under shear"];
 
 it("every name in a guide is that of a control or a chart on the page of its scene", async () => {
