@@ -24,7 +24,7 @@ int number_from(char const* variable, int otherwise) {
   return text == nullptr ? otherwise : std::atoi(text);
 }
 
-int tries() { return number_from("GRIDLOCK_FAULTS", 8); }
+int tries() { return number_from("GRIDLOCK_FAULTS", 6); }
 unsigned seed() { return static_cast<unsigned>(number_from("GRIDLOCK_FAULT_SEED", 1)); }
 
 struct Kind {
