@@ -133,7 +133,7 @@ class Minimizer::Search {
   }
   /// Returns whether the search still follows the steepest descent; once it has left it, it does not return to it.
   [[nodiscard]] bool is_for_descent(ForceSums const& sums) {
-    is_descending_ = is_descending_ && residual_of_disks(sums) > settings_.descent_residual &&
+    is_descending_ = is_descending_ && sums.residual_of_disks() > settings_.descent_residual &&
                      sums.energy > min_energy_of_descent * static_cast<double>(force_.x.size());
     return is_descending_;
   }
@@ -168,8 +168,9 @@ class Minimizer::Search {
 
   void descent_step(Packing& packing) {
     ++iterations_;
-    sums_ = descent_.step(packing, forces_.of_disks(), settings_.potential, fire_.velocity(), force_);
-    if (settings_.box_shape == BoxShape::free) sums_ = evaluate(packing);
+    ForceSums const of_disks =
+        descent_.step(packing, forces_.of_disks(), settings_.potential, fire_.velocity(), force_);
+    sums_ = forces_.with_box(packing, of_disks, fire_.velocity(), force_);
   }
 
   void fire_step(Packing& packing, ForceSums const& sums) {
@@ -245,16 +246,6 @@ class Minimizer::Search {
  private:
   ThreadPool& pool() { return forces_.of_disks().pool(); }
   ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, fire_.velocity(), force_); }
-
-  /// Returns the residual without the force on the box, whose shape steepest descent keeps.
-  [[nodiscard]] double residual_of_disks(ForceSums sums) const {
-    if (settings_.box_shape == BoxShape::fixed) return sums.residual();
-    sums.largest_square = 0.0;
-    for (std::size_t i = 0; i + 1 < forces_.sites(); ++i) {
-      sums.largest_square = std::max(sums.largest_square, force_.x[i] * force_.x[i] + force_.y[i] * force_.y[i]);
-    }
-    return sums.residual();
-  }
 
   /// Lets the next search begin with steps of FIRE, or of QuasiNewton without remembered steps.
   void start_fire() {

@@ -1,9 +1,10 @@
 #include "packing/site_forces.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstdint>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace gridlock {
 
@@ -72,16 +73,16 @@ SiteForces::SiteForces(Packing const& packing, MinimizerSettings const& settings
   if (is_box_free_) of_disks_.add_up_shear();
 }
 
-ForceSums SiteForces::evaluate(Packing const& packing, Columns const& velocities, Columns& forces) {
-  ForceSums sums = of_disks_.evaluate(packing, velocities, forces);
+ForceSums SiteForces::with_box(Packing const& packing, ForceSums sums, Columns const& velocities,
+                               Columns& forces) const {
   if (!is_box_free_) return sums;
   double const length = packing.box.side();
   Vector const force{sums.pure_shear / length, sums.simple_shear / length};
   Vector const velocity{velocities.x[disks_], velocities.y[disks_]};
   forces.x[disks_] = force.x;
   forces.y[disks_] = force.y;
-  sums.largest_square = std::max(sums.largest_square, squared_length(force));
-  sums.force_squares += squared_length(force);
+  sums.box_square = squared_length(force);
+  sums.force_squares += sums.box_square;
   sums.power += dot(force, velocity);
   sums.speed_squares += squared_length(velocity);
   return sums;
@@ -99,10 +100,8 @@ void SiteForces::displace(Packing& packing, Columns const& step, double factor) 
 
 SparseMatrix SiteForces::hessian(Packing const& packing) {
   std::vector<Contact> const contacts = of_disks_.contacts(packing);
-  Unknowns const unknowns(disks_);
-  if (!is_box_free_) return hessian_of(contacts, potential_, unknowns);
-  std::vector<HessianEntry> entries = hessian_entries(contacts, potential_, unknowns);
-  add_box(entries, contacts, potential_, disks_, packing.box.side());
+  std::vector<HessianEntry> entries = hessian_entries(contacts, potential_, Unknowns(disks_));
+  if (is_box_free_) add_box(entries, contacts, potential_, disks_, packing.box.side());
   return hessian_of(entries, sites());
 }
 

@@ -1,10 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "gridlock/core/archive.hpp"
 #include "gridlock/packing/minimizer.hpp"
@@ -28,7 +24,11 @@ class SiteForces {
 
   [[nodiscard]] std::size_t sites() const { return disks_ + (is_box_free_ ? 1 : 0); }
   /// Computes the forces on all sites.
-  ForceSums evaluate(Packing const& packing, Columns const& velocities, Columns& forces);
+  ForceSums evaluate(Packing const& packing, Columns const& velocities, Columns& forces) {
+    return with_box(packing, of_disks_.evaluate(packing, velocities, forces), velocities, forces);
+  }
+  /// Adds the force on the box, where its shape is free, to forces on the disks and their sums.
+  ForceSums with_box(Packing const& packing, ForceSums sums, Columns const& velocities, Columns& forces) const;
   /// Moves all sites by `factor` times a step: the disks first, then the box with the disks in it.
   void displace(Packing& packing, Columns const& step, double factor) const;
   /// Returns the lower triangle of the second derivatives of the energy by the coordinates of all sites. Those by a

@@ -49,9 +49,9 @@ ForceSums& ForceSums::operator+=(ForceSums const& part) {
   return *this;
 }
 
-double ForceSums::residual() const {
+double ForceSums::over_mean_force(double square) const {
   if (contacts == 0) return 0.0;
-  return std::sqrt(largest_square) * static_cast<double>(contacts) / contact_forces;
+  return std::sqrt(square) * static_cast<double>(contacts) / contact_forces;
 }
 
 SoftForces::SoftForces(Packing const& packing, Potential potential, std::uint64_t threads)

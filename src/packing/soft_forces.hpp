@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,7 @@ struct ForceSums {
   double overlaps = 0.0;        ///< Σ δ over contacts
   std::uint64_t contacts = 0;
   double largest_square = 0.0;  ///< square of the largest net force on a disk
+  double box_square = 0.0;      ///< square of the force on a box whose shape is free, see SiteForces
   double force_squares = 0.0;   ///< Σ F²
   double power = 0.0;           ///< Σ F·v
   double speed_squares = 0.0;   ///< Σ v²
@@ -40,8 +42,13 @@ struct ForceSums {
     overlaps += overlap;
     ++contacts;
   }
-  /// Returns the largest net force over the mean contact force; 0 without contacts.
-  [[nodiscard]] double residual() const;
+  /// Returns the largest net force on a disk over the mean contact force; 0 without contacts.
+  [[nodiscard]] double residual_of_disks() const { return over_mean_force(largest_square); }
+  /// Returns the same with the force on the box.
+  [[nodiscard]] double residual() const { return over_mean_force(std::max(largest_square, box_square)); }
+
+ private:
+  [[nodiscard]] double over_mean_force(double square) const;
 };
 
 /// The numbers of a disk that its force needs. Of two rows the numbers are subtracted or added in turn, which gives the
