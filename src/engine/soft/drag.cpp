@@ -14,29 +14,22 @@ class SumOfDrags {
 
   [[nodiscard]] Vector on(Band const& band, std::size_t k) {
     std::size_t const row = band.first + k;
-    bool const is_at_edge = band.is_at_edge[k] != 0;
     Vector sum;
-    for (std::size_t n = band.begin[k]; n < band.begin[k + 1]; ++n) {
-      std::uint32_t const other = band.entries[n];
-      if (other == disks_.size()) continue;
-      Vector const from = disks_.places[other];
-      Vector const d = is_at_edge ? box_.displacement_inside(from, disks_.places[row]) : disks_.places[row] - from;
+    for_each_neighbour(band, k, box_, disks_, [&](std::uint32_t other, Vector d) {
       double const square = squared_length(d);
       double const contact = disks_.identities[row].radius + disks_.identities[other].radius;
-      if (!(square < contact * contact) || square == 0.0) continue;
+      if (!(square < contact * contact) || square == 0.0) return;
       Vector difference = disks_.velocities_in_drag[row] - disks_.velocities_in_drag[other];
       difference.x += rule_.shear_rate * d.y;
       Vector const drag = rule_.drag.force(d, difference);
       largest_ = std::max({largest_, std::abs(drag.x), std::abs(drag.y)});
-      sum = sum + Vector{rounded(drag.x), rounded(drag.y)};
-    }
+      sum = sum + Vector{rounded(drag.x, rule_.rounding), rounded(drag.y, rule_.rounding)};
+    });
     return sum;
   }
   [[nodiscard]] double largest() const { return largest_; }
 
  private:
-  [[nodiscard]] double rounded(double force) const { return (force + rule_.rounding) - rule_.rounding; }
-
   DragRule const& rule_;
   Box const& box_;
   Disks const& disks_;

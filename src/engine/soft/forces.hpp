@@ -27,6 +27,9 @@ struct ForceRule {
   double max_push;
 };
 
+/// Returns a force rounded by such a number.
+inline double rounded(double force, double rounding) { return (force + rounding) - rounding; }
+
 /// Returns the rule for disks with these radii. With a drag between them forces are rounded less finely, so that there
 /// is room for it.
 ForceRule force_rule(PotentialSettings const& potential, Box const& box, RadiusRange const& radii,

@@ -149,25 +149,19 @@ template <class Push>
 double compute_by(ForceRule const& rule, Band const& band, Disks& disks, Push push_of) {
   Box const box = Box(rule.period_x, rule.period_y, Edge::periodic).shifted(rule.shift);
   bool const has_limit = !is_bounded(rule.kind);
-  auto const rounded = [&](double force) { return (force + rule.rounding) - rule.rounding; };
   double largest_push = 0.0;
   for (std::size_t k = 0; k < band.is_at_edge.size(); ++k) {
     std::size_t const row = band.first + k;
-    bool const is_at_edge = band.is_at_edge[k] != 0;
     Vector force;
-    for (std::size_t n = band.begin[k]; n < band.begin[k + 1]; ++n) {
-      std::uint32_t const other = band.entries[n];
-      if (other == disks.size()) continue;
-      Vector const from = disks.places[other];
-      Vector const d = is_at_edge ? box.displacement_inside(from, disks.places[row]) : disks.places[row] - from;
+    for_each_neighbour(band, k, box, disks, [&](std::uint32_t other, Vector d) {
       double const sigma = disks.identities[row].radius + disks.identities[other].radius;
       double const square = squared_length(d);
       double const limit = rule.constants.cutoff * sigma;
-      if (!(square < limit * limit)) continue;
+      if (!(square < limit * limit)) return;
       double const push = push_of(square, sigma);
       if (has_limit) largest_push = std::max(largest_push, push);
-      force = force + Vector{rounded(push * d.x), rounded(push * d.y)};
-    }
+      force = force + Vector{rounded(push * d.x, rule.rounding), rounded(push * d.y, rule.rounding)};
+    });
     disks.motions[row].force = force;
   }
   return largest_push;

@@ -22,6 +22,21 @@ struct Band {
   std::vector<std::uint8_t> is_at_edge;       ///< whether a neighbour of the row may be beyond a periodic edge
 };
 
+/// Calls visit(row, d) for each neighbour in the lists of the disk in row band.first + k, with its row and the vector d
+/// from it to the disk, from the nearest image.
+template <class Visit>
+[[gnu::always_inline]] inline void for_each_neighbour(Band const& band, std::size_t k, Box const& box,
+                                                      Disks const& disks, Visit visit) {
+  Vector const place = disks.places[band.first + k];
+  bool const is_at_edge = band.is_at_edge[k] != 0;
+  for (std::size_t n = band.begin[k]; n < band.begin[k + 1]; ++n) {
+    std::uint32_t const other = band.entries[n];
+    if (other == disks.size()) continue;
+    Vector const from = disks.places[other];
+    visit(other, is_at_edge ? box.displacement_inside(from, place) : place - from);
+  }
+}
+
 /// Distances of the lists.
 struct ListReach {
   double cutoff;         ///< in contact distances

@@ -28,12 +28,9 @@ void for_each_entry(std::vector<Band> const& bands, Box const& box, Disks const&
   for (Band const& band : bands) {
     for (std::size_t k = 0; k < band.is_at_edge.size(); ++k) {
       std::size_t const row = band.first + k;
-      for (std::size_t n = band.begin[k]; n < band.begin[k + 1]; ++n) {
-        std::uint32_t const other = band.entries[n];
-        if (other == disks.size()) continue;
-        double const square = squared_length(box.displacement(disks.places[row], disks.places[other]));
-        visit(row, other, square, disks.identities[row].radius + disks.identities[other].radius);
-      }
+      for_each_neighbour(band, k, box, disks, [&](std::uint32_t other, Vector d) {
+        visit(row, other, squared_length(d), disks.identities[row].radius + disks.identities[other].radius);
+      });
     }
   }
 }
