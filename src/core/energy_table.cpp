@@ -14,12 +14,12 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::size_t fewest_rows = 4;
+constexpr std::size_t min_rows = 4;
 /// Nearer rows have slopes made of rounding errors.
-constexpr double smallest_spacing = 1e-6;
-constexpr double largest_cutoff = 100.0;
+constexpr double min_spacing = 1e-6;
+constexpr double max_cutoff = 100.0;
 /// Between a long and a short spacing a spline swings; a row is missing, or a point is misplaced.
-constexpr double largest_ratio = 10.0;
+constexpr double max_ratio = 10.0;
 
 /// Returns the derivative at the first of four points of the cubic through them.
 double slope_of_cubic(std::span<double const> x, std::span<double const> y) {
@@ -67,11 +67,11 @@ void require_numbers(std::span<double const> values, double most, std::string_vi
 
 void require_increase(std::span<double const> distances) {
   for (std::size_t k = 1; k < distances.size(); ++k) {
-    if (distances[k] - distances[k - 1] >= smallest_spacing) continue;
+    if (distances[k] - distances[k - 1] >= min_spacing) continue;
     refuse_table(fmt::format("the distances of the table of the potential do not increase: row {} has {}, and row {} "
                              "after it {}",
                              k, distances[k - 1], k + 1, distances[k]),
-                 fmt::format("sort the rows; each distance is at least {:g} above the one before", smallest_spacing),
+                 fmt::format("sort the rows; each distance is at least {:g} above the one before", min_spacing),
                  "potential.distances");
   }
 }
@@ -80,10 +80,10 @@ void require_no_gap(std::span<double const> x) {
   for (std::size_t k = 1; k + 1 < x.size(); ++k) {
     double const before = x[k] - x[k - 1];
     double const after = x[k + 1] - x[k];
-    if (std::max(before, after) <= largest_ratio * std::min(before, after)) continue;
+    if (std::max(before, after) <= max_ratio * std::min(before, after)) continue;
     refuse_table(fmt::format("the table of the potential has a gap at row {}: the distances before and after {} are "
                              "{:.6g} and {:.6g} away, and one of them is more than {:g} times the other",
-                             k + 1, x[k], before, after, largest_ratio),
+                             k + 1, x[k], before, after, max_ratio),
                  "give rows between, so that the spacing changes step by step", "potential.distances");
   }
 }
@@ -106,9 +106,9 @@ EnergyTable::EnergyTable(std::span<double const> distances, std::span<double con
   pieces_.push_back({.from = std::numeric_limits<double>::infinity(), .energy = 0, .slope = 0, .square = 0, .cube = 0});
   // A bin as narrow as the shortest piece has the beginning of at most one; more bins than a few a piece are not worth
   // their memory.
-  constexpr double most_bins_a_piece = 16.0;
+  constexpr double max_bins_per_piece = 16.0;
   double const range = distances.back() - distances.front();
-  double const bins = std::min(std::ceil(range / shortest), most_bins_a_piece * static_cast<double>(pieces_.size()));
+  double const bins = std::min(std::ceil(range / shortest), max_bins_per_piece * static_cast<double>(pieces_.size()));
   first_piece_.assign(static_cast<std::size_t>(bins), 0);
   bins_per_distance_ = bins / range;
   distance_at_end_ = distances.back();
@@ -128,7 +128,7 @@ double EnergyTable::largest_push() const {
 }
 
 void EnergyTable::require_no_swing() const {
-  constexpr double allowed = 0.01;              // of the range of the rows around
+  constexpr double max_share = 0.01;            // of the range of the rows around
   std::size_t const last = pieces_.size() - 2;  // the last piece
   auto const row = [&](std::size_t k) { return k > last ? 0.0 : pieces_[k].energy; };
   for (std::size_t k = 0; k <= last; ++k) {
@@ -152,7 +152,7 @@ void EnergyTable::require_no_swing() const {
       if (!(t > 0.0 && t < length)) continue;
       double const reached = piece.energy + t * (piece.slope + t * (piece.square + t * piece.cube));
       double const beyond = std::max(low - reached, reached - high);
-      if (beyond <= allowed * std::abs(row(end) - row(first))) continue;
+      if (beyond <= max_share * std::abs(row(end) - row(first))) continue;
       refuse_table(
           fmt::format("the spline through the table of the potential turns back between the distances {:.6g} and "
                       "{:.6g}, whose energies are {:.6g} and {:.6g} above that of the last row: it reaches {:.3g}",
@@ -168,13 +168,13 @@ void require_table(std::span<double const> distances, std::span<double const> en
         fmt::format("the table of the potential has {} distances and {} energies", distances.size(), energies.size()),
         "give an energy for each distance", "potential.energies");
   }
-  if (distances.size() < fewest_rows) {
+  if (distances.size() < min_rows) {
     refuse_table(fmt::format("the table of the potential has {} rows, and a spline needs at least {}", distances.size(),
-                             fewest_rows),
+                             min_rows),
                  "give potential.distances and potential.energies, as in distances = [0.9, 1.0, 1.1, 1.2]",
                  "potential.distances");
   }
-  require_numbers(distances, largest_cutoff, "distance", "potential.distances");
+  require_numbers(distances, max_cutoff, "distance", "potential.distances");
   require_numbers(energies, max_magnitude, "energy", "potential.energies");
   if (!(distances.front() > 0.0)) {
     refuse_table(fmt::format("the first distance of the table of the potential is {}, not above 0", distances.front()),

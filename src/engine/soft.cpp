@@ -74,17 +74,17 @@ void require_mobile_swimmers(EngineSettings const& settings, State const& state)
 void require_gentle_drag(EngineSettings const& settings, State const& state) {
   if (!settings.pair_drag.exists()) return;
   // A disk among six of its size loses at most nine times as much; twice its velocity would be too much.
-  constexpr double largest_share = 0.2;
+  constexpr double max_share = 0.2;
   auto const masses = state.agents.column<Mass>();
   double const lightest = *std::ranges::min_element(masses);
   double const share = settings.pair_drag.coefficient * step_duration(settings, state) / lightest;
-  if (share <= largest_share) return;
+  if (share <= max_share) return;
   throw Error(
       {.what = fmt::format("in one time step the drag of one neighbour would change the velocity of the lightest disk "
                            "by {:.3g} of the relative velocity, more than {}",
-                           share, largest_share),
+                           share, max_share),
        .hint = fmt::format("use a shorter engine.time_step, such as {:.1g}, or a lower pair_drag.coefficient",
-                           0.5 * settings.time_step * largest_share / share),
+                           0.5 * settings.time_step * max_share / share),
        .key = "pair_drag.coefficient"});
 }
 

@@ -30,6 +30,8 @@ void require_room_for_images(Box const& box, double cutoff) {
 
 }  // namespace
 
+char const* to_text(Potential potential) { return potential == Potential::harmonic ? "harmonic" : "hertzian"; }
+
 Packing packing_of(State const& state) {
   Disks const& disks = state.agents;
   Packing packing{.box = state.box, .x = {}, .y = {}, .radius = {}};

@@ -20,7 +20,6 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 2> potential_names{"harmonic", "hertzian"};
 constexpr std::array<std::string_view, 2> box_shape_names{"fixed", "free"};
 constexpr std::array<std::string_view, 2> deformation_names{"simple_shear", "pure_shear"};
 
@@ -224,7 +223,7 @@ void describe(SoftSettings& settings, SettingVisitor& visitor) {
       visitor,
       {.key = "potential",
        .documentation = "Energy of two disks that overlap by δ = 1 − r/σ: harmonic ½ ε δ² or Hertzian ⅖ ε δ^(5/2)."},
-      potential_names, settings.potential);
+      std::array<std::string_view, 2>{to_text(Potential::harmonic), to_text(Potential::hertzian)}, settings.potential);
   visitor.visit(
       {.key = "residual",
        .documentation = "A minimum is found where the largest net force is this share of the mean contact force.",

@@ -285,7 +285,7 @@ class DisksKind final : public ModelKind {
   void check(Configuration const& configuration) const override {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_counted_collisions(configuration.engine, configuration.run);
-    require_no_places_along_flow(configuration);
+    require_places_along_x(configuration);
     require_valid(configuration.protocol);
     require_known_tilt(configuration);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {

@@ -161,7 +161,7 @@ void require_counted_collisions(EngineSettings const& settings, RunSettings cons
        .key = "run.collisions_per_disk"});
 }
 
-void require_no_places_along_flow(Configuration const& configuration) {
+void require_places_along_x(Configuration const& configuration) {
   ObserveSettings const& observe = configuration.observe;
   bool const flows = configuration.engine.flow.exists();
   if (!flows && configuration.box.tilt == 0.0) return;
@@ -197,7 +197,7 @@ std::optional<Event> other_potential(Configuration const& configuration) {
   EngineSettings const& engine = configuration.engine;
   if (stages.empty() || !leaves_overlaps(stages.back().kind) || !takes_steps(configuration)) return std::nullopt;
   if (!engine_record(engine.kind).has_potential) return std::nullopt;
-  std::string const pressed = configuration.soft.potential == Potential::harmonic ? "harmonic" : "hertzian";
+  std::string const pressed = to_text(configuration.soft.potential);
   std::string const moved(to_text(engine.potential.kind));
   if (pressed == moved) return std::nullopt;
   return Event{

@@ -40,8 +40,8 @@ std::string unused_of_potential(PairPotential kind, std::string_view key);
 /// Errors: Error for the length of a run in collisions, which soft disks do not have.
 void require_counted_collisions(EngineSettings const& settings, RunSettings const& run);
 
-/// Errors: Error for observables along x in a flow, where the images above are shifted.
-void require_no_places_along_flow(Configuration const& configuration);
+/// Errors: Error for observables along x in a flow or an oblique box, where the images above are shifted.
+void require_places_along_x(Configuration const& configuration);
 
 /// Errors: Error for a run of steps whose engine knows rectangles only, behind a stage that leaves a tilt.
 void require_known_tilt(Configuration const& configuration);

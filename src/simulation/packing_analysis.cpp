@@ -167,7 +167,7 @@ Json summary_of(PackingAnalysis const& analysis) {
   auto const disks = static_cast<double>(network.size());
   double const largest_residual = analysis.questions.largest_residual;
   Json json;
-  json["potential"] = network.potential == Potential::harmonic ? "harmonic" : "hertzian";
+  json["potential"] = to_text(network.potential);
   json["tolerance"] = network.tolerance;
   json["disks"] = network.size();
   json["packing_fraction"] = packing_fraction(analysis.packing);

@@ -24,6 +24,8 @@ namespace gridlock {
 /// The energy of two disks with the overlap δ = 1 − r/σ, σ the sum of their radii: V = (ε/α) δ^α with α = 2 (harmonic)
 /// or 5/2 (Hertzian). All energies are in units of ε.
 enum class Potential { harmonic, hertzian };
+/// Returns the word of a potential, as in soft.potential.
+char const* to_text(Potential potential);
 
 /// Whether the shape of a periodic box is given, or found together with the positions.
 enum class BoxShape { fixed, free };
