@@ -24,11 +24,7 @@ namespace gridlock {
 namespace {
 
 State flowing_fluid(std::uint64_t seed, double packing_fraction = 0.5, std::uint64_t count = 300) {
-  DisksSettings disks{.count = count, .packing_fraction = packing_fraction, .start = StartKind::random};
-  disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}};
-  State state = make_start(Box(1.3, 0.9, Edge::periodic), disks, seed);
-  draw_velocities(state, {.kind = VelocityKind::maxwell});
-  return state;
+  return test::soft_disks(StartKind::random, packing_fraction, count, seed);
 }
 
 EngineSettings flow_settings(ThermostatKind thermostat, double shear_rate) {

@@ -16,16 +16,15 @@
 #include "gridlock/lattice/start.hpp"
 #include "observe/stress.hpp"
 #include "property/soft_runs.hpp"
+#include "reference/problem_of_engine.hpp"
 
 namespace gridlock {
 namespace {
 
+using reference::problem_of;
+
 State grains(std::uint64_t seed, double packing_fraction = 0.9, std::uint64_t count = 120) {
-  DisksSettings disks{.count = count, .packing_fraction = packing_fraction, .start = StartKind::uniform};
-  disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}};
-  State state = make_start(Box(1.3, 0.9, Edge::periodic), disks, seed);
-  draw_velocities(state, {.kind = VelocityKind::maxwell});
-  return state;
+  return test::soft_disks(StartKind::uniform, packing_fraction, count, seed);
 }
 
 /// Settings with a drag of a tenth of the mass of the lighter disks in the time of the potential.
@@ -63,7 +62,7 @@ TEST(PairDrag, KeepsTheMomentumAndCoolsTheDisks) {
     engine.advance(state, counters, {.step = 4000});
     EXPECT_NEAR(momentum(state.agents).x, before.x, 1e-12);
     EXPECT_NEAR(momentum(state.agents).y, before.y, 1e-12);
-    // What is left is the motion of the centre, and slow modes.
+    // The motion of the centre and slow modes outlast the others.
     EXPECT_LT(kinetic_energy(state.agents), 0.05 * energy);
   }
 }
@@ -167,15 +166,6 @@ TEST(PairDrag, ThatIsTooLargeToBeAddedUpEndsTheRun) {
         "up\n  hint: use a lower pair_drag.coefficient, or a higher potential.energy");
   }
   EXPECT_EQ(hash(state), before);
-}
-
-std::string problem_of(EngineSettings const& settings, State const& state) {
-  try {
-    make_engine(settings, state);
-  } catch (Error const& error) {
-    return error.problems().front().key + ": " + error.problems().front().what;
-  }
-  return "";
 }
 
 TEST(PairDrag, IsRefusedWhereItMakesNoSense) {

@@ -7,8 +7,19 @@
 #include <cstdint>
 
 #include "engine/soft.hpp"
+#include "gridlock/lattice/start.hpp"
 
 namespace gridlock::test {
+
+/// Disks in an oblong periodic box, by default half of them larger and heavier, with velocities.
+inline State soft_disks(StartKind start, double packing_fraction, std::uint64_t count, std::uint64_t seed,
+                        bool is_mixture = true) {
+  DisksSettings disks{.count = count, .packing_fraction = packing_fraction, .start = start};
+  if (is_mixture) disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}};
+  State state = make_start(Box(1.3, 0.9, Edge::periodic), disks, seed);
+  draw_velocities(state, {.kind = VelocityKind::maxwell});
+  return state;
+}
 
 inline std::uint64_t hash_after(EngineSettings const& settings, State state, std::uint64_t steps, std::uint64_t chunk,
                                 double skin = 0.0) {

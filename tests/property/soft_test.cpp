@@ -32,11 +32,7 @@ std::vector<PotentialSettings> potentials() {
 }
 
 State fluid(bool is_mixture, std::uint64_t seed, std::uint64_t count = 300) {
-  DisksSettings disks{.count = count, .packing_fraction = 0.5, .start = StartKind::random};
-  if (is_mixture) disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}};
-  State state = make_start(Box(1.3, 0.9, Edge::periodic), disks, seed);
-  draw_velocities(state, {.kind = VelocityKind::maxwell});
-  return state;
+  return test::soft_disks(StartKind::random, 0.5, count, seed, is_mixture);
 }
 
 EngineSettings settings_of(PotentialSettings const& potential, ThermostatKind thermostat = ThermostatKind::none) {

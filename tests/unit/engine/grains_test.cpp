@@ -14,24 +14,18 @@
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/setup.hpp"
 #include "reference/hard_engines.hpp"
+#include "reference/problem_of_engine.hpp"
 
 namespace gridlock {
 namespace {
+
+using reference::problem_of;
 
 State two_disks() {
   State state{.box = Box(3.0, 2.0, Edge::wall), .seed = 9};
   state.agents.add(1.0, 1.0, 1.0, 0.0, 0.25, 1.0, 0, 0);
   state.agents.add(2.0, 1.0, -1.0, 0.0, 0.25, 1.0, 0, 0);
   return state;
-}
-
-std::string problem_of(EngineSettings const& settings, State const& state) {
-  try {
-    make_engine(settings, state);
-  } catch (Error const& error) {
-    return error.problems().front().key + ": " + error.problems().front().what;
-  }
-  return "";
 }
 
 TEST(Walls, AreRefusedOutsideTheBoxAndAcrossDisks) {

@@ -11,9 +11,12 @@
 #include "core/decay.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "reference/problem_of_engine.hpp"
 
 namespace gridlock {
 namespace {
+
+using reference::problem_of;
 
 State lattice(Box const& box = Box(12.0, 12.0, Edge::periodic)) {
   DisksSettings const disks{.count = 100, .packing_fraction = {}, .radius = 0.5, .start = StartKind::square};
@@ -24,15 +27,6 @@ State lattice(Box const& box = Box(12.0, 12.0, Edge::periodic)) {
 
 EngineSettings settings_of(PairPotential potential, double time_step = 0.005) {
   return {.kind = "soft", .time_step = time_step, .threads = 1, .potential = {.kind = potential}};
-}
-
-std::string problem_of(EngineSettings const& settings, State const& state) {
-  try {
-    make_engine(settings, state);
-  } catch (Error const& error) {
-    return error.problems().front().key + ": " + error.problems().front().what;
-  }
-  return "";
 }
 
 /// How a run fails, and that it leaves the state of the last call.
