@@ -378,6 +378,7 @@ export class Playground {
     const info = this.info;
     if (info === undefined || frame.positions.length !== 2 * frame.count) return;
     if (frame.isFinished && this.frame?.isRunning === true) this.endedAt = performance.now();
+    else if (frame.seriesBegins) this.endedAt = -Infinity;
     if (frame.isFinished) this.wantsToRun = false;
     this.frame = frame;
     if (frame.seriesBegins) this.series.clear();
@@ -497,10 +498,13 @@ export class Playground {
 
   private async toggle(): Promise<void> {
     // Who wants to pause a run that has come to its end at that moment does not want it to go beyond.
-    if (performance.now() - this.endedAt < JUST_ENDED_MILLISECONDS) return;
+    if (this.opening === undefined && performance.now() - this.endedAt < JUST_ENDED_MILLISECONDS) return;
     const isRunning = this.frame?.isRunning === true;
+    this.wantsToRun = !isRunning;
+    // A set-up that is being opened moves on by itself where that is wanted.
+    await this.opening;
+    if (this.wantsToRun === isRunning) return;
     await this.guard(async (engine) => {
-      this.wantsToRun = !isRunning;
       if (isRunning) return engine.pause();
       if (this.frame?.isFinished === true) await engine.lengthen();
       await engine.run(this.speed());
