@@ -34,6 +34,7 @@ std::vector<std::string> const& files_of_run() {
                                    "levels.csv",
                                    "contacts.csv",
                                    "swap_correlations.csv",
+                                   "swap_density.csv",
                                    "shear.csv",
                                    "shear_events.csv",
                                    "shear_motions.csv",

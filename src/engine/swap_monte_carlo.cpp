@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/swap/area.hpp"
 #include "engine/swap/relaxation.hpp"
 #include "engine/swap/trials.hpp"
 #include "gridlock/core/error.hpp"
@@ -41,6 +42,11 @@ void require_bounds(SwapSettings const& settings) {
             fmt::format("a displacement of up to {} diameters is no move", *settings.step),
             "use a positive number, or leave it out", "swap.step");
   }
+  if (settings.pressure) {
+    require(std::isfinite(*settings.pressure) && *settings.pressure > 0.0,
+            fmt::format("hard disks have no area at a pressure βP D̄² of {}", *settings.pressure),
+            "use a positive number: 2.61 is φ = 0.5 of equal disks, and they melt at 9.18", "swap.pressure");
+  }
   require(settings.stage < max_stages, fmt::format("there is no stage {} of swap Monte Carlo", settings.stage),
           fmt::format("use a number below {}", max_stages), "swap.stage");
 }
@@ -61,7 +67,10 @@ void serialize_counts(Archive& archive, SwapCounts& counts) {
   archive.visit("accepted_displacements", counts.accepted_displacements);
   archive.visit("swaps", counts.swaps);
   archive.visit("accepted_swaps", counts.accepted_swaps);
-  archive.require(counts.accepted_displacements <= counts.displacements && counts.accepted_swaps <= counts.swaps,
+  archive.visit("area_changes", counts.area_changes);
+  archive.visit("accepted_area_changes", counts.accepted_area_changes);
+  archive.require(counts.accepted_displacements <= counts.displacements && counts.accepted_swaps <= counts.swaps &&
+                      counts.accepted_area_changes <= counts.area_changes,
                   "more trial moves were accepted than made");
 }
 
@@ -77,6 +86,7 @@ struct SwapMonteCarlo::Progress {
   SwapCounts adjusting;  ///< counts since the last adjustment
   SwapCounts counts;
   Relaxation relaxation;
+  std::optional<AreaChanges> area;  ///< at constant pressure
 
   Progress(SwapSettings const& wanted, State const& state)
       : settings(wanted),
@@ -85,7 +95,9 @@ struct SwapMonteCarlo::Progress {
         diameter(mean_diameter(state)),
         longest_step(0.5 * std::min(state.box.width(), state.box.height())),
         step(std::min(longest_step, diameter * wanted.step.value_or(first_step))),
-        relaxation(state, wanted.sweeps - adjusting_sweeps) {}
+        relaxation(state, wanted.sweeps - adjusting_sweeps) {
+    if (settings.pressure) area.emplace(settings, adjusting_sweeps, state);
+  }
 
   void adjust_step() {
     if (adjusting.displacements < displacements_of_an_adjustment) return;
@@ -99,6 +111,7 @@ struct SwapMonteCarlo::Progress {
     if (sweep == adjusting_sweeps) relaxation.look_at(trials, 0);
     trials.take({.number = seed_of_stage + sweep, .swap_fraction = settings.swap_fraction, .step = step},
                 is_adjusting ? adjusting : counts);
+    if (area) diameter *= area->take(trials, sweep, seed_of_stage + sweep, counts);
     ++sweep;
     if (is_adjusting) {
       adjust_step();
@@ -155,6 +168,10 @@ SwapCounts const& SwapMonteCarlo::counts() const { return progress_->counts; }
 
 std::vector<SwapCorrelation> SwapMonteCarlo::correlations() const { return progress_->relaxation.correlations(); }
 
+std::vector<SwapDensity> SwapMonteCarlo::densities() const {
+  return progress_->area ? progress_->area->densities() : std::vector<SwapDensity>();
+}
+
 SwapReport SwapMonteCarlo::report() const {
   Progress const& progress = *progress_;
   SwapCounts const& counts = progress.counts;
@@ -163,6 +180,7 @@ SwapReport SwapMonteCarlo::report() const {
                     .step = progress.step / progress.diameter,
                     .displacement_acceptance = share(counts.accepted_displacements, counts.displacements),
                     .swap_acceptance = share(counts.accepted_swaps, counts.swaps),
+                    .area_acceptance = share(counts.accepted_area_changes, counts.area_changes),
                     .overlap_relaxation_time = relaxation_time(correlations, &SwapCorrelation::self_overlap),
                     .bond_relaxation_time = relaxation_time(correlations, &SwapCorrelation::bond_orientation)};
   if (report.overlap_relaxation_time && report.bond_relaxation_time) {
@@ -185,6 +203,7 @@ void SwapMonteCarlo::serialize(Archive& archive, State const& state) {
   serialize_inside(archive, "counts", [&] { serialize_counts(archive, progress.counts); });
   serialize_inside(archive, "relaxation",
                    [&] { progress.relaxation.serialize(archive, state.agents.size(), progress.sweep); });
+  if (progress.area) serialize_inside(archive, "area", [&] { progress.area->serialize(archive, progress.sweep); });
 }
 
 }  // namespace gridlock

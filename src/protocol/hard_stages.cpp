@@ -123,11 +123,12 @@ class RunStage final : public Stage {
   Counters counters_;
 };
 
-/// The stage `swap`: swap Monte Carlo of hard disks.
+/// The stages `swap` and `monte_carlo`: Monte Carlo of hard disks with and without swaps of radii.
 class SwapStage final : public Stage {
  public:
   SwapStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
-      : swap_(swap_settings(protocol.stages[number], number), state) {}
+      : swap_(swap_settings(protocol.stages[number], number), state),
+        pressure_(protocol.stages[number].pressure.value_or(0.0)) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     return swap_.advance(state, should_continue);
@@ -138,6 +139,7 @@ class SwapStage final : public Stage {
     SwapReport const report = swap_.report();
     SwapResult swap{.displacement_acceptance = report.displacement_acceptance,
                     .swap_acceptance = report.swap_acceptance,
+                    .area_acceptance = report.area_acceptance,
                     .overlap_relaxation_time = report.overlap_relaxation_time,
                     .bond_relaxation_time = report.bond_relaxation_time,
                     .relaxation_times = report.relaxation_times,
@@ -147,18 +149,40 @@ class SwapStage final : public Stage {
       swap.self_overlap.push_back(correlation.self_overlap);
       swap.bond_orientation.push_back(correlation.bond_orientation);
     }
-    return {.packing_fraction = packing_fraction_of(state), .swap = std::move(swap)};
+    StageResult stage{.packing_fraction = packing_fraction_of(state)};
+    double sum = 0.0;
+    for (SwapDensity const& density : swap_.densities()) {
+      swap.density_sweeps.push_back(static_cast<double>(density.sweep));
+      swap.packing_fractions.push_back(density.packing_fraction);
+      swap.adjusting_stretches += density.is_adjusting ? 1U : 0U;
+      sum += density.is_adjusting ? 0.0 : density.packing_fraction;
+    }
+    if (sum > 0.0) {
+      double const mean = sum / static_cast<double>(swap.packing_fractions.size() - swap.adjusting_stretches);
+      stage.pressure = pressure_ * packing_fraction_by_density(state.agents) / mean;
+    }
+    stage.swap = std::move(swap);
+    return stage;
   }
 
  private:
   static SwapSettings swap_settings(StageSettings const& settings, std::uint64_t number) {
     SwapSettings swap{.stage = number};
     swap.sweeps = settings.sweeps.value_or(swap.sweeps);
-    swap.swap_fraction = settings.swap_fraction.value_or(swap.swap_fraction);
+    swap.swap_fraction = settings.kind == "swap" ? settings.swap_fraction.value_or(swap.swap_fraction) : 0.0;
+    swap.pressure = settings.pressure;
     return swap;
   }
 
+  /// Returns φ/(ρ D̄²), D̄ the mean diameter: π/4 for equal disks.
+  static double packing_fraction_by_density(Disks const& disks) {
+    double diameters = 0.0;
+    for (double const radius : disks.column<Radius>()) diameters += 2.0 * radius;
+    return covered_area(disks) * static_cast<double>(disks.size()) / (diameters * diameters);
+  }
+
   SwapMonteCarlo swap_;
+  double pressure_;
 };
 
 }  // namespace
@@ -185,7 +209,18 @@ StageRecord run_stage() {
 
 StageRecord swap_stage() {
   return {.name = "swap",
-          .settings = {"sweeps", "swap_fraction"},
+          .settings = {"sweeps", "swap_fraction", "pressure"},
+          .ends = {"sweeps"},
+          .table_of_errors = "swap",
+          .needs_no_overlaps = true,
+          .needs_rectangle = true,
+          .make = make_stage<SwapStage>};
+}
+
+StageRecord monte_carlo_stage() {
+  return {.name = "monte_carlo",
+          .documentation = "displaces hard disks at random, at constant area or constant pressure",
+          .settings = {"sweeps", "pressure"},
           .ends = {"sweeps"},
           .table_of_errors = "swap",
           .needs_no_overlaps = true,

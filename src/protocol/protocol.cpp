@@ -32,6 +32,7 @@ void serialize_optional(Archive& archive, std::string const& name, std::optional
 void serialize_swap(Archive& archive, SwapResult& swap) {
   serialize_optional(archive, "displacement_acceptance", swap.displacement_acceptance);
   serialize_optional(archive, "swap_acceptance", swap.swap_acceptance);
+  serialize_optional(archive, "area_acceptance", swap.area_acceptance);
   serialize_optional(archive, "overlap_relaxation_time", swap.overlap_relaxation_time);
   serialize_optional(archive, "bond_relaxation_time", swap.bond_relaxation_time);
   serialize_optional(archive, "relaxation_times", swap.relaxation_times);
@@ -41,6 +42,12 @@ void serialize_swap(Archive& archive, SwapResult& swap) {
   archive.visit("bond_orientation", swap.bond_orientation);
   archive.require(swap.self_overlap.size() == swap.lags.size() && swap.bond_orientation.size() == swap.lags.size(),
                   "the correlations of swap Monte Carlo differ in length");
+  archive.visit("density_sweeps", swap.density_sweeps);
+  archive.visit("packing_fractions", swap.packing_fractions);
+  archive.visit("adjusting_stretches", swap.adjusting_stretches);
+  archive.require(swap.packing_fractions.size() == swap.density_sweeps.size() &&
+                      swap.adjusting_stretches <= swap.density_sweeps.size(),
+                  "the packing fractions of Monte Carlo differ in length");
 }
 
 void serialize_result(Archive& archive, StageResult& result) {

@@ -157,11 +157,19 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
        .default_note = "0.001"},
       settings.step);
   visitor.visit({.key = "sweeps",
-                 .documentation = "swap: trial moves for each disk.",
+                 .documentation = "swap, monte_carlo: trial moves for each disk.",
                  .min = 1,
                  .max = static_cast<double>(max_sweeps),
                  .default_note = "none"},
                 settings.sweeps);
+  visitor.visit(
+      {.key = "pressure",
+       .documentation = "swap, monte_carlo: βP D̄² for the mean diameter D̄; all radii then change together by trial "
+                        "moves, so that the packing fraction becomes that of the pressure.",
+       .min = 0.0,
+       .min_is_allowed = false,
+       .default_note = "none: constant packing fraction"},
+      settings.pressure);
   visitor.visit({.key = "swap_fraction",
                  .documentation = "swap: share of the trial moves that exchange two radii.",
                  .min = 0.0,

@@ -109,6 +109,7 @@ StageRecord compress_stage();
 StageRecord decompress_stage();
 StageRecord separate_stage();
 StageRecord swap_stage();
+StageRecord monte_carlo_stage();
 StageRecord shear_stage();
 
 /// Returns the records of all kinds, in the order of the documentation.

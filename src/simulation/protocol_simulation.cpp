@@ -13,6 +13,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/table.hpp"
+#include "gridlock/observe/estimate.hpp"
 #include "gridlock/packing/contact_network.hpp"
 #include "protocol/stage.hpp"
 #include "simulation/packing_analysis.hpp"
@@ -37,6 +38,22 @@ std::vector<ResultEntry> hard_entries() {
       {{"reduced_pressure", "", "βP/ρ of the hard disks in the last stage of the protocol."}, &StageResult::pressure}};
 }
 
+/// Returns the mean packing fraction of a stage at constant pressure.
+std::optional<Estimate> density_at_pressure(SwapResult const& swap) {
+  BlockAverage average;
+  for (std::size_t k = swap.adjusting_stretches; k < swap.packing_fractions.size(); ++k)
+    average.add(swap.packing_fractions[k]);
+  return average.estimate();
+}
+
+std::optional<double> value_of(std::optional<Estimate> const& estimate) {
+  return estimate ? std::optional(estimate->value) : std::nullopt;
+}
+
+std::optional<double> error_of(std::optional<Estimate> const& estimate) {
+  return estimate ? estimate->error : std::nullopt;
+}
+
 /// Returns the results of the last stage of swap Monte Carlo.
 std::vector<ResultEntry> swap_entries() {
   auto const of = [](auto member) {
@@ -45,11 +62,16 @@ std::vector<ResultEntry> swap_entries() {
   return {{{"displacement_acceptance", "", "Share of the trial displacements that were accepted."},
            of(&SwapResult::displacement_acceptance)},
           {{"swap_acceptance", "", "Share of the trial swaps that were accepted."}, of(&SwapResult::swap_acceptance)},
+          {{"area_acceptance", "", "Share of the trial changes of the area that were accepted."},
+           of(&SwapResult::area_acceptance)},
+          {{"packing_fraction_at_pressure", "", "Mean φ at constant pressure, with the error of blocks."},
+           [](StageResult const& stage) { return value_of(density_at_pressure(*stage.swap)); },
+           [](StageResult const& stage) { return error_of(density_at_pressure(*stage.swap)); }},
           {{"overlap_relaxation_time", "sweeps", "Where the share of disks in their old cages has fallen to 1/e."},
            of(&SwapResult::overlap_relaxation_time)},
           {{"bond_relaxation_time", "sweeps", "Where the correlation of the local hexatic order has fallen to 1/e."},
            of(&SwapResult::bond_relaxation_time)},
-          {{"relaxation_times", "", "How many of the longer relaxation time the stage swap has lasted."},
+          {{"relaxation_times", "", "How many of the longer relaxation time the stage has lasted."},
            of(&SwapResult::relaxation_times)},
           {{"is_equilibrated", "", "1 where these are ten or more, else 0."},
            [](StageResult const& stage) { return number(stage.swap->is_equilibrated); }}};
@@ -353,7 +375,8 @@ std::vector<ColumnInfo> protocol_results() {
 }
 
 std::vector<Distribution> protocol_tables() {
-  std::vector<Distribution> tables{stages_table({}), levels_table({}), swap_table({}), contacts_curve({})};
+  std::vector<Distribution> tables{stages_table({}), levels_table({}), swap_table({}), density_table({}),
+                                   contacts_curve({})};
   std::ranges::move(shear_tables({}), std::back_inserter(tables));
   return tables;
 }
@@ -444,7 +467,8 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
   if (has_run()) distributions = simulation_->distributions();
   if (protocol_.results().empty()) return distributions;
   distributions.push_back(stages_table(protocol_.results()));
-  std::vector<Distribution> tables{levels_table(protocol_.results()), swap_table(protocol_.results())};
+  std::vector<Distribution> tables{levels_table(protocol_.results()), swap_table(protocol_.results()),
+                                   density_table(protocol_.results())};
   std::ranges::move(shear_tables(protocol_.results()), std::back_inserter(tables));
   for (Distribution& table : tables) {
     if (!table.columns_of_values.front().empty()) distributions.push_back(std::move(table));

@@ -114,6 +114,19 @@ Distribution swap_table(std::vector<StageResult> const& stages) {
   return table;
 }
 
+Distribution density_table(std::vector<StageResult> const& stages) {
+  Distribution table =
+      table_with("swap_density", {count("sweep", "Sweeps of the stage at the end of a stretch of sweeps."),
+                                  {"packing_fraction", "", "Mean of φ in the stretch."}});
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    if (!stages[k].swap) continue;
+    SwapResult const& swap = *stages[k].swap;
+    for (std::size_t i = 0; i < swap.density_sweeps.size(); ++i)
+      add_row(table, {static_cast<double>(k + 1), swap.density_sweeps[i], swap.packing_fractions[i]});
+  }
+  return table;
+}
+
 std::vector<Distribution> shear_tables(std::vector<StageResult> const& stages) {
   std::vector<Distribution> tables{minima_table(), events_table(), motions_table(), cycles_table()};
   for (std::size_t k = 0; k < stages.size(); ++k) {

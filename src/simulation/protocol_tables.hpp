@@ -10,6 +10,9 @@ namespace gridlock {
 /// Returns the table of correlations over the lag, for all stages of swap Monte Carlo.
 Distribution swap_table(std::vector<StageResult> const& stages);
 
+/// Returns the table of packing fractions over the sweeps, for all stages at constant pressure.
+Distribution density_table(std::vector<StageResult> const& stages);
+
 /// Returns the tables shear, shear_events, shear_motions and shear_cycles of all stages `shear`; without rows where
 /// there are none.
 std::vector<Distribution> shear_tables(std::vector<StageResult> const& stages);

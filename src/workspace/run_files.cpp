@@ -48,8 +48,8 @@ std::vector<fs::path> run_files(fs::path const& directory, Configuration const& 
   }
   for (std::string_view const curve : names_of_curves()) files.push_back(directory / fmt::format("{}.csv", curve));
   if (configuration.protocol.empty()) return files;
-  for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv", "contacts.csv", "shear.csv",
-                           "shear_events.csv", "shear_motions.csv", "shear_cycles.csv"}) {
+  for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv", "swap_density.csv", "contacts.csv",
+                           "shear.csv", "shear_events.csv", "shear_motions.csv", "shear_cycles.csv"}) {
     files.push_back(directory / name);
   }
   return files;

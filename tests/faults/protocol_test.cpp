@@ -65,7 +65,8 @@ class ProtocolFaults : public testing::TestWithParam<Case> {
     };
     EXPECT_EQ(hash_of(whole), hash_of(other));
     std::vector<std::string> names;
-    for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv", "shear.csv", "shear_events.csv"}) {
+    for (char const* name :
+         {"stages.csv", "levels.csv", "swap_correlations.csv", "swap_density.csv", "shear.csv", "shear_events.csv"}) {
       if (!fs::exists(whole / name)) continue;
       names.emplace_back(name);
       EXPECT_EQ(text_of(whole / name), text_of(other / name)) << name;

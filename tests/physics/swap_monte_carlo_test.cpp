@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -134,6 +135,60 @@ TEST(SwapMonteCarlo, FindsTwoDisksInABoxAsNearToEachOtherAsEnumerationSays) {
   EXPECT_NEAR(share.value, near / all, 4.0 * share.error);
   Mean const swapped = mean_of(is_swapped);
   EXPECT_NEAR(swapped.value, 0.5, 4.0 * swapped.error);
+}
+
+/// The mean packing fraction at constant pressure, from the sweeps that count.
+Mean density_at_pressure(State state, double pressure) {
+  SwapMonteCarlo swaps({.sweeps = 1'000'000, .swap_fraction = 0.0, .pressure = pressure}, state);
+  swaps.advance(state);
+  std::vector<double> packing_fractions;
+  for (SwapDensity const& density : swaps.densities()) {
+    if (!density.is_adjusting) packing_fractions.push_back(density.packing_fraction);
+  }
+  return mean_of(packing_fractions);
+}
+
+/// ⟨φ⟩ over the areas v = A/D² of a square with the weight vᴺ exp(−P v) times the share of all positions without
+/// overlap, which is that of D = 1/√v in a square of side 1.
+double exact_density(double disks, double pressure, std::function<double(double)> const& share_without_overlap) {
+  double sum = 0.0;
+  double weights = 0.0;
+  constexpr int cells = 200'000;
+  for (int k = 0; k < cells; ++k) {
+    double const v = 40.0 * (k + 0.5) / cells;
+    double const weight = std::pow(v, disks) * std::exp(-pressure * v) * share_without_overlap(1.0 / std::sqrt(v));
+    sum += weight * disks * 0.25 * std::numbers::pi / v;
+    weights += weight;
+  }
+  return sum / weights;
+}
+
+TEST(MonteCarloAtConstantPressure, GivesOneDiskBetweenWallsItsExactDensity) {
+  State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 5};
+  state.agents.add(0.5, 0.5, 0.0, 0.0, 0.2, 1.0, 0, 0);
+  auto const share = [](double d) { return d < 1.0 ? (1.0 - d) * (1.0 - d) : 0.0; };
+  for (double const pressure : {2.0, 20.0}) {
+    Mean const density = density_at_pressure(state, pressure);
+    EXPECT_LT(density.error, 0.002);
+    EXPECT_NEAR(density.value, exact_density(1.0, pressure, share), 4.0 * density.error) << pressure;
+  }
+}
+
+// One disk is cut out around the other, and four segments overlap where it is wider than the box.
+TEST(MonteCarloAtConstantPressure, GivesTwoDisksInAPeriodicBoxTheirExactDensity) {
+  State state{.box = Box(1.0, 1.0, Edge::periodic), .seed = 6};
+  state.agents.add(0.2, 0.2, 0.0, 0.0, 0.1, 1.0, 0, 0);
+  state.agents.add(0.7, 0.7, 0.0, 0.0, 0.1, 1.0, 0, 0);
+  auto const share = [](double d) {
+    double cut = std::numbers::pi * d * d;
+    if (d > 0.5) cut -= 4.0 * (d * d * std::acos(0.5 / d) - 0.5 * std::sqrt(d * d - 0.25));
+    return std::max(0.0, d * d < 0.5 ? 1.0 - cut : 0.0);
+  };
+  for (double const pressure : {1.0, 10.0}) {
+    Mean const density = density_at_pressure(state, pressure);
+    EXPECT_LT(density.error, 0.002);
+    EXPECT_NEAR(density.value, exact_density(2.0, pressure, share), 4.0 * density.error) << pressure;
+  }
 }
 
 /// Makes dense disks by trial moves and, in between, by letting all grow until two touch.

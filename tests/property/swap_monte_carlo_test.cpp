@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/validate.hpp"
@@ -55,20 +58,45 @@ void take_trial(State& state, std::uint64_t sweep, std::uint64_t trial, double s
   state.agents.column<ImageY>()[i] = image_y;
 }
 
+/// A change of the area v = A/D̄² at the pressure βP D̄², after the trial moves of a sweep.
+void change_area(State& state, double& area, double pressure, std::uint64_t sweep) {
+  auto const count = static_cast<double>(state.agents.size());
+  auto const radii = state.agents.column<Radius>();
+  RandomStream random(state.seed, sweep, state.agents.size(), Purpose::swap_trial);
+  double const eta = 0.01 * (2.0 * random.uniform() - 1.0);
+  double const ratio = (1.0 + eta) / (1.0 - eta);
+  double const weight = std::exp((count + 1.0) * std::log(ratio) - pressure * area * (ratio - 1.0));
+  if (!(std::exp(-random.exponential()) < weight)) return;
+  std::vector<double> const before(radii.begin(), radii.end());
+  for (double& radius : radii) radius *= 1.0 / std::sqrt(ratio);
+  bool is_allowed = true;
+  for (std::size_t i = 0; i < radii.size(); ++i)
+    is_allowed = is_allowed && has_room(state, i, position(state.agents, i), radii[i], i);
+  if (is_allowed) {
+    area *= ratio;
+  } else {
+    std::ranges::copy(before, radii.begin());
+  }
+}
+
 /// Both ways; what they made of the start is expected to be the same.
-void expect_bits_of_the_rule(State const& start, double swap_fraction, double step_in_diameters, std::uint64_t sweeps) {
+void expect_bits_of_the_rule(State const& start, double swap_fraction, double step_in_diameters, std::uint64_t sweeps,
+                             std::optional<double> pressure = {}) {
   double diameters = 0.0;
   for (double const r : start.agents.column<Radius>()) diameters += 2.0 * r;
   double const mean = diameters / static_cast<double>(start.agents.size());
   double const longest = 0.5 * std::min(start.box.width(), start.box.height());
+  double area = start.box.area() / (mean * mean);
   State expected = start;
   for (std::uint64_t sweep = 0; sweep < sweeps; ++sweep) {
     for (std::uint64_t trial = 0; trial < start.agents.size(); ++trial) {
       take_trial(expected, sweep, trial, swap_fraction, std::min(longest, mean * step_in_diameters));
     }
+    if (pressure) change_area(expected, area, *pressure, sweep);
   }
   State state = start;
-  SwapMonteCarlo swaps({.sweeps = sweeps, .swap_fraction = swap_fraction, .step = step_in_diameters}, state);
+  SwapMonteCarlo swaps(
+      {.sweeps = sweeps, .swap_fraction = swap_fraction, .step = step_in_diameters, .pressure = pressure}, state);
   swaps.advance(state);
   EXPECT_EQ(hash(state), hash(expected));
   EXPECT_NO_THROW(validate(state));
@@ -87,7 +115,10 @@ TEST(SwapMonteCarlo, HasTheBitsOfTheRuleWithALookAtAllDisks) {
     double const swap_fraction = random.below(4) == 0 ? 0.0 : 0.9 * random.uniform();
     double const step = 0.02 + (random.below(3) == 0 ? 5.0 : 0.5) * random.uniform();
     if (random.below(2) == 0) scene.edge_y = random.below(2) == 0 ? Edge::wall : Edge::periodic;
-    expect_bits_of_the_rule(random_scene(scene), swap_fraction, step, 6);
+    State const start = random_scene(scene);
+    std::optional<double> pressure;
+    if (random.below(2) == 0) pressure = 20.0 * random.uniform();
+    expect_bits_of_the_rule(start, swap_fraction, step, 6, pressure);
     ASSERT_FALSE(HasFailure()) << scene << ", step " << step << ", swaps " << swap_fraction;
   }
 }

@@ -1,7 +1,8 @@
 #pragma once
 
 /// \file
-/// Swap Monte Carlo: brings hard disks of many sizes to equilibrium at densities at which their dynamics is too slow.
+/// Monte Carlo of hard disks at constant area or constant pressure; swaps of radii bring disks of many sizes to
+/// equilibrium at densities at which their dynamics is too slow.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -38,6 +39,9 @@ struct SwapSettings {
   /// Share of the sweeps, at their start, in which the step is adjusted until 40 % of the displacements are accepted.
   /// Averages leave these sweeps out.
   double adjusting = 0.1;
+  /// βP D̄², D̄ the mean diameter: all radii grow and shrink together, so that the area fluctuates about that of this
+  /// pressure. Empty: the area is constant.
+  std::optional<double> pressure;
   std::uint64_t stage = 0;  ///< stages of one run have different numbers, and so independent random numbers; below 2²⁴
 };
 
@@ -47,6 +51,8 @@ struct SwapCounts {
   std::uint64_t accepted_displacements = 0;
   std::uint64_t swaps = 0;  ///< trial swaps of two different radii
   std::uint64_t accepted_swaps = 0;
+  std::uint64_t area_changes = 0;
+  std::uint64_t accepted_area_changes = 0;
 };
 
 /// Correlations after `lag` sweeps, averaged over all time origins.
@@ -61,12 +67,20 @@ struct SwapCorrelation {
   double bond_orientation = 1.0;
 };
 
+/// The mean packing fraction of a stretch of sweeps at constant pressure.
+struct SwapDensity {
+  std::uint64_t sweep = 0;  ///< number of sweeps at its end
+  double packing_fraction = 0.0;
+  bool is_adjusting = false;  ///< whether the steps were still adjusted in it
+};
+
 /// Numbers that show whether the disks are in equilibrium.
 struct SwapReport {
   std::uint64_t sweeps = 0;  ///< sweeps done, including those that adjust the step
   double step = 0.0;         ///< largest displacement, in mean diameters
   std::optional<double> displacement_acceptance;
   std::optional<double> swap_acceptance;  ///< absent if no swap of different radii was tried
+  std::optional<double> area_acceptance;  ///< absent at constant area
   /// Lags at which Q and C₆ fall to 1/e, in sweeps; absent if they have not.
   std::optional<double> overlap_relaxation_time;
   std::optional<double> bond_relaxation_time;
@@ -89,6 +103,14 @@ struct SwapReport {
 /// The result depends on the state, the settings and the seed alone, not on the division of the sweeps into calls, the
 /// order of the rows or a resumed checkpoint. The clock of the state does not change. Errors: Error for settings out of
 /// their bounds, no disks, and a state that validate() refuses.
+///
+/// At constant pressure each sweep ends with a trial change of the area. The sides of the box stay, and all radii change
+/// by one factor: with the area v = A/D̄² in units of the disks, the weight of v and of positions relative to the box is
+///
+///     vᴺ exp(−βP D̄² v)   where no disks overlap, else 0
+///
+/// (W. W. Wood 1968, doi:10.1063/1.1667938, for hard disks). A trial is symmetric in ln v. The area changes by about
+/// v/N at a time, so N sweeps are the shortest time in which it finds its mean.
 /// Cost: docs/notebook/jamming.md; 100 bytes a disk, and up to 20 MB for the correlations.
 class SwapMonteCarlo {
  public:
@@ -105,6 +127,8 @@ class SwapMonteCarlo {
   [[nodiscard]] SwapCounts const& counts() const;
   /// Returns the correlations at all lags, from one sweep on, that have a time origin.
   [[nodiscard]] std::vector<SwapCorrelation> correlations() const;
+  /// Returns the packing fraction along the run in about 1000 stretches; empty at constant area.
+  [[nodiscard]] std::vector<SwapDensity> densities() const;
   [[nodiscard]] SwapReport report() const;
 
   /// Serializes the data kept between two calls of advance(), after the state.

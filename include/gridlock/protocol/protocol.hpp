@@ -39,10 +39,11 @@ struct ProtocolSettings {
   std::uint64_t threads = 1;  ///< threads for soft disks; 0: one for each core
 };
 
-/// The results of swap Monte Carlo, see SwapReport and SwapCorrelation.
+/// The results of Monte Carlo, see SwapReport, SwapCorrelation and SwapDensity.
 struct SwapResult {
   std::optional<double> displacement_acceptance = {};
   std::optional<double> swap_acceptance = {};
+  std::optional<double> area_acceptance = {};
   std::optional<double> overlap_relaxation_time = {};  ///< in sweeps, also the next
   std::optional<double> bond_relaxation_time = {};
   std::optional<double> relaxation_times = {};
@@ -50,6 +51,9 @@ struct SwapResult {
   std::vector<double> lags = {};  ///< lags in sweeps
   std::vector<double> self_overlap = {};
   std::vector<double> bond_orientation = {};
+  std::vector<double> density_sweeps = {};     ///< sweeps at the ends of the stretches
+  std::vector<double> packing_fractions = {};  ///< means over the stretches
+  std::uint64_t adjusting_stretches = 0;       ///< number of stretches, at the start, that averages leave out
 };
 
 /// The results of quasi-static shear, see QuasistaticShear.

@@ -32,7 +32,8 @@ struct StageSettings {
   std::optional<double> collisions_per_disk;       ///< run
   std::optional<std::uint64_t> levels_per_decade;  ///< decompress
   std::optional<double> step;                      ///< compress, decompress: step of the packing fraction
-  std::optional<std::uint64_t> sweeps;             ///< swap
+  std::optional<std::uint64_t> sweeps;             ///< swap, monte_carlo
+  std::optional<double> pressure;                  ///< swap, monte_carlo: βP D̄², D̄ the mean diameter
   std::optional<double> swap_fraction;             ///< swap
   Deformation deformation = Deformation::simple_shear;  ///< shear
   std::optional<double> strain_step;                    ///< shear: strain between two minima

@@ -15,18 +15,42 @@ SwapTrials::SwapTrials(State const& state)
     : box_(state.box),
       seed_(state.seed),
       row_(rows_in_order(state.agents.ids())),
-      largest_radius_(radius_range(state.agents).largest),
-      grid_(layout_for_cutoff(state.box, 2.0 * largest_radius_, state.agents.size()), state.agents.size()),
-      limit_per_area_(1.001 * grid_.locals_per_length() * grid_.locals_per_length()),
-      limit_error_(grid_.local_limit(0.0)) {
+      largest_radius_(radius_range(state.agents).largest) {
   disks_.reserve(row_.size());
   for (std::uint32_t const row : row_) {
     disks_.push_back({.position = gridlock::position(state.agents, row),
                       .radius = state.agents.column<Radius>()[row],
                       .image_x = state.agents.column<ImageX>()[row],
                       .image_y = state.agents.column<ImageY>()[row]});
-    grid_.insert(disks_.size() - 1, disks_.back().position);
   }
+  fill_grid(1.0);
+}
+
+void SwapTrials::fill_grid(double growth) {
+  widest_contact_ = 2.0 * largest_radius_ * growth;
+  grid_ = PackedGrid(layout_for_cutoff(box_, widest_contact_, disks_.size()), disks_.size());
+  limit_per_area_ = 1.001 * grid_.locals_per_length() * grid_.locals_per_length();
+  limit_error_ = grid_.local_limit(0.0);
+  for (std::size_t i = 0; i < disks_.size(); ++i) grid_.insert(i, disks_[i].position);
+}
+
+bool SwapTrials::scale_radii(double factor) {
+  radii_before_.clear();
+  for (Disk& disk : disks_) {
+    radii_before_.push_back(disk.radius);
+    disk.radius *= factor;
+  }
+  double const largest_before = std::exchange(largest_radius_, largest_radius_ * factor);
+  if (factor <= 1.0) return true;
+  // The margin keeps the grid through many small steps.
+  if (2.0 * largest_radius_ > widest_contact_) fill_grid(1.02);
+  for (std::uint32_t i = 0; i < disks_.size(); ++i) {
+    if (is_free({disks_[i].position, disks_[i].radius, i, nobody})) continue;
+    for (std::size_t k = 0; k < disks_.size(); ++k) disks_[k].radius = radii_before_[k];
+    largest_radius_ = largest_before;
+    return false;
+  }
+  return true;
 }
 
 void SwapTrials::write_back(State& state) const {

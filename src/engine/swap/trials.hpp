@@ -25,6 +25,10 @@ class SwapTrials {
   /// Makes N trial moves, where N is the number of disks.
   void take(Sweep const& sweep, SwapCounts& counts);
 
+  /// Multiplies all radii by one factor, unless two disks or a disk and a wall would then overlap; returns whether it
+  /// did.
+  bool scale_radii(double factor);
+
   void write_back(State& state) const;
 
   [[nodiscard]] std::size_t size() const { return disks_.size(); }
@@ -53,6 +57,8 @@ class SwapTrials {
   };
   static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
+  /// Sorts the disks into cells that are as wide as the largest contact distance after radii grow by `growth`.
+  void fill_grid(double growth);
   [[nodiscard]] Trial draw(Sweep const& sweep, std::uint64_t number) const;
   void displace(Trial const& trial, SwapCounts& counts);
   void swap(Trial const& trial, SwapCounts& counts);
@@ -76,9 +82,11 @@ class SwapTrials {
   std::vector<Disk> disks_;
   std::vector<std::uint32_t> row_;  ///< row of each disk in the state
   double largest_radius_;
+  double widest_contact_ = 0.0;  ///< contact distance for which the cells of the grid are wide enough
   PackedGrid grid_;
-  double limit_per_area_;
-  float limit_error_;
+  double limit_per_area_ = 0.0;
+  float limit_error_ = 0.0F;
+  std::vector<double> radii_before_;  ///< radii before the last change of all
 };
 
 }  // namespace gridlock

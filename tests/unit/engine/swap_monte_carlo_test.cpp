@@ -79,7 +79,7 @@ void restore_swaps(std::string const& bytes, SwapMonteCarlo& swaps, State& state
 }
 
 TEST(SwapMonteCarlo, StoppedSavedAndRestoredAtAnySweepEndsWithTheSameBits) {
-  SwapSettings const settings{.sweeps = 400};
+  SwapSettings const settings{.sweeps = 400, .pressure = 3.0};
   State const start = fluid(80, 0.5);
   State whole = start;
   SwapMonteCarlo in_one(settings, whole);
@@ -112,8 +112,9 @@ TEST(SwapMonteCarlo, DoesNotDependOnTheOrderOfTheRows) {
                                        from.column<Radius>()[i], from.column<Mass>()[i], 0, 0));
   }
   State state = start;
-  SwapMonteCarlo swaps({.sweeps = 100, .step = 0.2}, state);
-  SwapMonteCarlo swaps_of_reversed({.sweeps = 100, .step = 0.2}, reversed);
+  SwapSettings const settings{.sweeps = 100, .step = 0.2, .pressure = 3.0};
+  SwapMonteCarlo swaps(settings, state);
+  SwapMonteCarlo swaps_of_reversed(settings, reversed);
   swaps.advance(state);
   swaps_of_reversed.advance(reversed);
   EXPECT_EQ(hash(state), hash(reversed));
@@ -144,6 +145,24 @@ TEST(SwapMonteCarlo, AdjustsTheStepToAnAcceptanceOfFortyPerCent) {
   // The sweeps of the adjusting count for no rate.
   EXPECT_LE(swaps.counts().displacements, 900U * 500U);
   EXPECT_GT(swaps.counts().displacements, 700U * 500U);
+}
+
+TEST(SwapMonteCarlo, AdjustsTheChangesOfTheAreaAndKeepsTheMixture) {
+  State const start = fluid(80, 0.5);
+  State state = start;
+  SwapMonteCarlo swaps({.sweeps = 10'000, .swap_fraction = 0.0, .pressure = 5.0}, state);
+  swaps.advance(state);
+  EXPECT_NEAR(swaps.report().area_acceptance.value_or(0.0), 0.4, 0.1);
+  auto const radii = state.agents.column<Radius>();
+  double const factor = radii[0] / start.agents.column<Radius>()[0];
+  EXPECT_GT(factor, 1.02) << "the pressure of the start is 3.0";
+  for (std::size_t i = 0; i < radii.size(); ++i)
+    EXPECT_NEAR(radii[i], factor * start.agents.column<Radius>()[i], 1e-12 * radii[i]);
+  EXPECT_NO_THROW(validate(state, {.overlap = rounding_of_contact(state), .beyond_walls = rounding_of_contact(state)}));
+  std::vector<SwapDensity> const densities = swaps.densities();
+  ASSERT_EQ(densities.size(), 1000U);
+  EXPECT_EQ(densities.back().sweep, 10'000U);
+  EXPECT_EQ(std::ranges::count_if(densities, &SwapDensity::is_adjusting), 100);
 }
 
 TEST(SwapMonteCarlo, KeepsAStepThatIsGiven) {
@@ -229,6 +248,7 @@ TEST(SwapMonteCarlo, RefusesSettingsOutOfTheirBoundsWithAHint) {
                                       {SwapSettings{.step = 0.0}, "swap.step"},
                                       {SwapSettings{.step = std::numeric_limits<double>::infinity()}, "swap.step"},
                                       {SwapSettings{.adjusting = 1.0}, "swap.adjusting"},
+                                      {SwapSettings{.pressure = 0.0}, "swap.pressure"},
                                       {SwapSettings{.stage = 1ULL << 24}, "swap.stage"}}) {
     Problem const problem = refusal_of_swaps(settings, state);
     EXPECT_EQ(problem.key, key);

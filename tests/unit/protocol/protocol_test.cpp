@@ -331,7 +331,8 @@ TEST(Protocol, RefusesAStageThatIsNotKnownWithThoseThatAre) {
   std::vector<Problem> const problems = problems_of({{.kind = "run", .until_time = 1.0}, {.kind = "shake"}});
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_EQ(problems.front().what, "the stage \"shake\" is not known");
-  EXPECT_EQ(problems.front().hint, "a stage is one of: grow, run, quench, compress, decompress, shear, separate, swap");
+  EXPECT_EQ(problems.front().hint,
+            "a stage is one of: grow, run, quench, compress, decompress, shear, separate, swap, monte_carlo");
 }
 
 TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {

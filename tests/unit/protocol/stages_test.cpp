@@ -20,6 +20,10 @@ namespace {
 void expect_same(SwapResult const& a, SwapResult const& b) {
   EXPECT_EQ(a.displacement_acceptance, b.displacement_acceptance);
   EXPECT_EQ(a.swap_acceptance, b.swap_acceptance);
+  EXPECT_EQ(a.area_acceptance, b.area_acceptance);
+  EXPECT_EQ(a.density_sweeps, b.density_sweeps);
+  EXPECT_EQ(a.packing_fractions, b.packing_fractions);
+  EXPECT_EQ(a.adjusting_stretches, b.adjusting_stretches);
   EXPECT_EQ(a.overlap_relaxation_time, b.overlap_relaxation_time);
   EXPECT_EQ(a.bond_relaxation_time, b.bond_relaxation_time);
   EXPECT_EQ(a.relaxation_times, b.relaxation_times);
@@ -74,6 +78,7 @@ void expect_results_kept(ProtocolSettings const& settings, std::vector<StageResu
 
 TEST(Stages, KeepTheirResultsWhereverTheProtocolIsRestored) {
   ProtocolSettings const settings{.stages = {{.kind = "swap", .sweeps = 600},
+                                             {.kind = "monte_carlo", .sweeps = 50, .pressure = 4.0},
                                              {.kind = "run", .collisions_per_disk = 300.0},
                                              {.kind = "quench", .packing_fraction = 0.9},
                                              {.kind = "decompress", .until_pressure = 1e-4},
@@ -85,9 +90,10 @@ TEST(Stages, KeepTheirResultsWhereverTheProtocolIsRestored) {
   ASSERT_TRUE(whole.advance(state));
   std::vector<StageResult> const& expected = whole.results();
   ASSERT_TRUE(expected[0].swap->bond_relaxation_time && expected[0].swap->overlap_relaxation_time);
-  ASSERT_GT(expected[1].pair_collisions, 0U);
-  ASSERT_TRUE(expected[3].error_of_jamming_packing_fraction.has_value());
-  expect_results_kept(settings, expected, {0, 1, 2, 3, 5});
+  ASSERT_TRUE(expected[1].pressure && expected[1].swap->area_acceptance);
+  ASSERT_GT(expected[2].pair_collisions, 0U);
+  ASSERT_TRUE(expected[4].error_of_jamming_packing_fraction.has_value());
+  expect_results_kept(settings, expected, {0, 1, 2, 3, 4, 6});
 }
 
 TEST(Stages, KeepTheResultsOfSlowGrowthWhereverItIsRestored) {
