@@ -1,9 +1,9 @@
-// Brownian disks, swimmers, cooling grains, falling disks, channels and cages in the engine `exact`, from runs that are
-// too long for the tests.
+// Brownian disks, swimmers, cooling grains, falling disks, channels and cages in the engine `exact`, and soft disks that
+// are sheared, that flow and that move, from runs that are too long for the tests.
 //
-//     gridlock_validate_dynamics [diffusion | swimmers | cooling | falling | channels] …      all if none is named
+//     gridlock_validate_dynamics [SECTION] …      all if none is named
 //
-// Units: σ = m = kT = 1. Each number is the mean of runs with different seeds, with one standard error. It is compared
+// Units: σ = m = kT = 1; of soft disks σ = m = ε = 1. Each number is the mean of runs with different seeds, with one standard error. It is compared
 // with an exact number, or with the number and the error of an independent program that shares no code with Gridlock:
 // within four errors of the difference, or within a tolerance. The program returns 1 if one number differs. The bits of
 // the runs do not depend on the number of threads, nor does the table.
@@ -25,12 +25,15 @@ int main(int argument_count, char** arguments) {
     void (*print)();
   };
   constexpr std::array sections{Section{"diffusion", diffusion}, Section{"swimmers", swimmers},
-                                Section{"cooling", cooling}, Section{"falling", falling},
-                                Section{"channels", channels}};
+                                Section{"cooling", cooling},     Section{"falling", falling},
+                                Section{"channels", channels},   Section{"shear", shear},
+                                Section{"flow", flow},           Section{"soft", soft}};
   std::vector<std::string_view> const names(arguments + 1, arguments + argument_count);
   for (std::string_view const name : names) {
     if (std::ranges::find(sections, name, &Section::name) == sections.end()) {
-      fmt::print(stderr, "there is no section {}; there are diffusion, swimmers, cooling, falling, channels\n", name);
+      fmt::print(stderr, "there is no section {}; there are", name);
+      for (Section const& section : sections) fmt::print(stderr, " {}", section.name);
+      fmt::print(stderr, "\n");
       return 2;
     }
   }

@@ -22,6 +22,9 @@ void swimmers();
 void cooling();
 void falling();
 void channels();
+void shear();
+void flow();
+void soft();
 
 /// Prints a row that agrees if the difference is at most four errors.
 void within_errors(std::string_view check, Estimate measured, Estimate expected);
