@@ -34,6 +34,12 @@ void within_errors(std::string_view check, Estimate measured, Estimate expected)
   print_row(check, measured, expected, 4.0 * std::hypot(measured.error, expected.error));
 }
 
+void within_scatter(std::string_view check, Estimate measured, std::uint64_t runs, double expected,
+                    std::uint64_t expected_runs) {
+  double const error = measured.error * std::sqrt(static_cast<double>(runs) / static_cast<double>(expected_runs));
+  within_errors(check, measured, {expected, error});
+}
+
 void within(std::string_view check, Estimate measured, double expected, double tolerance) {
   print_row(check, measured, {expected, 0.0}, tolerance);
 }

@@ -28,6 +28,9 @@ void soft();
 
 /// Prints a row that agrees if the difference is at most four errors.
 void within_errors(std::string_view check, Estimate measured, Estimate expected);
+/// The same for a number without an error from a few runs, which scatter as the runs here: `runs` gave `measured`.
+void within_scatter(std::string_view check, Estimate measured, std::uint64_t runs, double expected,
+                    std::uint64_t expected_runs);
 /// Prints a row that agrees if the difference is at most the tolerance.
 void within(std::string_view check, Estimate measured, double expected, double tolerance);
 /// Returns whether all rows so far agree.

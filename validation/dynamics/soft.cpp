@@ -133,11 +133,9 @@ void fluids_of_soft_disks() {
     constexpr std::uint64_t runs = 16;
     auto const newton = means(runs, [&](std::uint64_t seed) { return energy_errors(of, seed); });
     for (std::size_t k = 0; k < of.energy_errors.size(); ++k) {
-      // The number of the independent program is that of one run, which scatters as those here.
-      double const scatter = newton[k].error * std::sqrt(static_cast<double>(runs));
-      within_errors(fmt::format("energy error with steps of {}: {}",
-                                of.time_step * std::pow(2.0, 1.0 - static_cast<double>(k)), of.name),
-                    newton[k], {of.energy_errors[k], scatter});
+      double const step = of.time_step * std::pow(2.0, 1.0 - static_cast<double>(k));
+      within_scatter(fmt::format("energy error with steps of {}: {}", step, of.name), newton[k], runs,
+                     of.energy_errors[k], 1);
     }
   }
 }
