@@ -86,13 +86,13 @@ std::string vtp_text(FrameSource const& frame) {
   }
   return fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n<PolyData>\n"
-      "<FieldData>\n{}{}</FieldData>\n"
+      "<FieldData>\n{}{}{}</FieldData>\n"
       "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"0\">\n"
       "<PointData>\n{}</PointData>\n<Points>\n{}</Points>\n<Verts>\n{}{}</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n",
       VtkArrays::text("TimeValue", 1, std::vector<double>{frame.clock().time}),
-      VtkArrays::text("box", 2, std::vector<double>{frame.box().width(), frame.box().height()}), frame.size(),
-      frame.size(), data, points, VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
+      VtkArrays::text("box", 2, std::vector<double>{frame.box().width(), frame.box().height()}),
+      VtkArrays::text("tilt", 1, std::vector<double>{frame.box().tilt()}), frame.size(), frame.size(), data, points, VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
 }
 
 /// Returns the directory with the files of the single frames.

@@ -14,12 +14,12 @@ namespace gridlock {
 namespace {
 
 /// Five frames of two agents, at the steps 0, 10, 20, 30, 40 of a quarter of the unit of time each.
-H5mdReader five_frames(TemporaryDirectory const& directory) {
+H5mdReader five_frames(TemporaryDirectory const& directory, Box const& box = Box(1.0, 1.0, Edge::wall)) {
   Population<X, Y> agents;
   agents.add(0.25, 0.5);
   agents.add(0.75, 0.5);
   auto const frame_at = [&](std::uint64_t step) {
-    return frame_of(Box(1.0, 1.0, Edge::wall), {step, 0.25 * static_cast<double>(step)}, 1, agents);
+    return frame_of(box, {step, 0.25 * static_cast<double>(step)}, 1, agents);
   };
   H5mdWriter writer = H5mdWriter::create(directory / "t.h5", {}, frame_at(0));
   for (std::uint64_t step = 0; step <= 40; step += 10) {
@@ -54,6 +54,18 @@ TEST(Export, AsVtkListsEachFrameAtItsTime) {
                 .find("Name=\"TimeValue\" NumberOfComponents=\"1\" NumberOfTuples=\"1\" "
                       "format=\"ascii\">\n7.5\n"),
             std::string::npos);
+}
+
+TEST(Export, AsVtkHasTheSidesAndTheTiltOfTheBox) {
+  TemporaryDirectory const directory;
+  H5mdReader const trajectory = five_frames(directory, Box(2.0, 1.0, Edge::periodic).tilted(0.25));
+  auto const files = export_trajectory(trajectory, {.format = "vtk", .file = directory / "t.pvd", .every = 3});
+  std::string const frame = read_file(files.back());
+  for (char const* const array :
+       {R"(Name="box" NumberOfComponents="2" NumberOfTuples="1" format="ascii">)" "\n2 1\n",
+        R"(Name="tilt" NumberOfComponents="1" NumberOfTuples="1" format="ascii">)" "\n0.25\n"}) {
+    EXPECT_NE(frame.find(array), std::string::npos) << frame;
+  }
 }
 
 }  // namespace
