@@ -52,16 +52,19 @@ std::vector<double> slopes_of_spline(std::span<double const> x, std::span<double
   return slope;
 }
 
-[[noreturn]] void refuse_table(std::string what, std::string hint, char const* key) {
-  throw Error({.what = std::move(what), .hint = std::move(hint), .key = key});
+[[noreturn]] void refuse_table(std::string what, std::string hint, std::string key) {
+  throw Error({.what = std::move(what), .hint = std::move(hint), .key = std::move(key)});
 }
+
+/// Returns the key of an entry, counted from 0: "potential.distances[2]".
+std::string entry(std::string_view key, std::size_t row) { return fmt::format("{}[{}]", key, row); }
 
 void require_numbers(std::span<double const> values, double most, std::string_view name, char const* key) {
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (std::isfinite(values[k]) && std::abs(values[k]) <= most) continue;
     refuse_table(
         fmt::format("row {} of the table of the potential has the {} {}, out of bounds", k + 1, name, values[k]),
-        fmt::format("give numbers up to {:g}", most), key);
+        fmt::format("give numbers up to {:g}", most), entry(key, k));
   }
 }
 
@@ -72,7 +75,7 @@ void require_increase(std::span<double const> distances) {
                              "after it {}",
                              k, distances[k - 1], k + 1, distances[k]),
                  fmt::format("sort the rows; each distance is at least {:g} above the one before", min_spacing),
-                 "potential.distances");
+                 entry("potential.distances", k));
   }
 }
 
@@ -84,7 +87,7 @@ void require_no_gap(std::span<double const> x) {
     refuse_table(fmt::format("the table of the potential has a gap at row {}: the distances before and after {} are "
                              "{:.6g} and {:.6g} away, and one of them is more than {:g} times the other",
                              k + 1, x[k], before, after, max_ratio),
-                 "give rows between, so that the spacing changes step by step", "potential.distances");
+                 "give rows between, so that the spacing changes step by step", entry("potential.distances", k));
   }
 }
 
@@ -157,7 +160,7 @@ void EnergyTable::require_no_swing() const {
           fmt::format("the spline through the table of the potential turns back between the distances {:.6g} and "
                       "{:.6g}, whose energies are {:.6g} and {:.6g} above that of the last row: it reaches {:.3g}",
                       piece.from, piece.from + length, row(k), row(k + 1), reached),
-          "give more rows there, or energies without a kink", "potential.energies");
+          "give more rows there, or energies without a kink", entry("potential.energies", k));
     }
   }
 }
@@ -178,13 +181,14 @@ void require_table(std::span<double const> distances, std::span<double const> en
   require_numbers(energies, max_magnitude, "energy", "potential.energies");
   if (!(distances.front() > 0.0)) {
     refuse_table(fmt::format("the first distance of the table of the potential is {}, not above 0", distances.front()),
-                 "begin at a small distance, such as 0.01", "potential.distances");
+                 "begin at a small distance, such as 0.01", entry("potential.distances", 0));
   }
   require_increase(distances);
   require_no_gap(distances);
   if (distances.back() < 1.0) {
     refuse_table(fmt::format("the table of the potential ends at {}, below the contact distance 1", distances.back()),
-                 "distances are in sums of two radii; choose larger radii", "potential.distances");
+                 "distances are in sums of two radii; choose larger radii",
+                 entry("potential.distances", distances.size() - 1));
   }
   EnergyTable(distances, energies).require_no_swing();
 }

@@ -79,8 +79,8 @@ class EnergyTable {
   double distance_at_end_ = 0.0;
 };
 
-/// Errors: Error, for the keys potential.distances and potential.energies, for rows of which no spline can be made, or
-/// one that turns back between them.
+/// Errors: Error for rows of which no spline can be made, or one that turns back between them. The key is
+/// potential.distances or potential.energies, with the number of a wrong row from 0: "potential.distances[2]".
 void require_table(std::span<double const> distances, std::span<double const> energies);
 
 }  // namespace gridlock

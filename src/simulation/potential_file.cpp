@@ -3,16 +3,50 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstddef>
+#include <sstream>
 #include <string>
-#include <vector>
+#include <utility>
 
+#include "core/energy_table.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/table.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 
-void take_table_file(PotentialSettings& potential, std::filesystem::path const& directory) {
-  if (potential.kind != PairPotential::table || potential.file.empty()) return;
+namespace {
+
+/// Finds the line of a row of a table, counted from 0, which read_csv() has read.
+void find_line(std::filesystem::path const& path, std::size_t row, Problem& problem) {
+  std::istringstream text(read_file(path));
+  std::size_t left = row + 2;  // the names of the columns come first
+  for (std::string line; left > 0 && std::getline(text, line);) {
+    ++problem.line;
+    if (line.ends_with('\r')) line.pop_back();
+    if (!line.empty() && line.front() != '#') --left;
+    problem.source_line = line;
+  }
+}
+
+/// Throws the Error of require_table() with the place in the file.
+void require_rows(PotentialSettings const& potential, std::filesystem::path const& path) {
+  try {
+    require_table(potential.distances, potential.energies);
+  } catch (Error const& error) {
+    Problem problem = error.problems().front();
+    problem.file = path.string();
+    std::size_t const bracket = problem.key.find('[');
+    if (bracket != std::string::npos) find_line(path, std::stoul(problem.key.substr(bracket + 1)), problem);
+    problem.key = "potential.file";
+    throw Error(std::move(problem));
+  }
+}
+
+}  // namespace
+
+std::filesystem::path take_table_file(PotentialSettings& potential, std::filesystem::path const& directory) {
+  if (potential.kind != PairPotential::table || potential.file.empty()) return {};
   if (!potential.distances.empty() || !potential.energies.empty()) {
     throw Error(
         {.what = fmt::format("potential.file is \"{}\", and the rows of the table are given beside it", potential.file),
@@ -30,7 +64,9 @@ void take_table_file(PotentialSettings& potential, std::filesystem::path const& 
   }
   potential.distances = rows.numbers("distance");
   potential.energies = rows.numbers("energy");
+  require_rows(potential, path);
   potential.file.clear();
+  return path;
 }
 
 }  // namespace gridlock

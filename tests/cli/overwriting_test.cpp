@@ -176,6 +176,11 @@ TEST(Inputs, AreNeverReplacedNorRemoved) {
   expect_kept(workplace, {"run", "next.toml", "-o", "made", "-q"}, "made/final.xyz");
   write(workplace / "from.toml", "disks.file = \"made/final.xyz\"\nrun.steps = 5\n[sweep]\nrun.seed = [1, 2]\n");
   expect_kept(workplace, {"sweep", "from.toml", "-o", "made", "-q"}, "made/final.xyz");
+  write(workplace / "series.csv", "distance,energy\n0.8,5\n0.9,2.5\n1,1\n1.2,0\n");
+  write(workplace / "table.toml",
+        "box.edge = \"periodic\"\nengine.kind = \"soft\"\nrun.steps = 5\n"
+        "potential = { kind = \"table\", file = \"series.csv\" }\n");
+  expect_kept(workplace, {"run", "table.toml", "-o", ".", "-q"}, "series.csv");
   EXPECT_TRUE(fs::exists(workplace / "made/checkpoint.gridlock"));
 }
 

@@ -105,22 +105,22 @@ TEST(EnergyTable, RefusesRowsOfWhichNoPotentialCanBeMade) {
             "potential.distances: the table of the potential has 0 rows, and a spline needs at least 4");
   EXPECT_EQ(
       problem_of({0.8, 0.9, 0.9, 1.1}, y),
-      "potential.distances: the distances of the table of the potential do not increase: row 2 has 0.9, and row 3 "
+      "potential.distances[2]: the distances of the table of the potential do not increase: row 2 has 0.9, and row 3 "
       "after it 0.9");
   EXPECT_EQ(problem_of({0.8, 0.9, std::nan(""), 1.1}, y),
-            "potential.distances: row 3 of the table of the potential has the distance nan, out of bounds");
+            "potential.distances[2]: row 3 of the table of the potential has the distance nan, out of bounds");
   EXPECT_EQ(problem_of({0.8, 0.9, 1.0, 200.0}, y),
-            "potential.distances: row 4 of the table of the potential has the distance 200, out of bounds");
+            "potential.distances[3]: row 4 of the table of the potential has the distance 200, out of bounds");
   EXPECT_EQ(problem_of({0.8, 0.9, 1.0, 1.1}, {1.0, -1e70, 1.0, 0.0}),
-            "potential.energies: row 2 of the table of the potential has the energy -1e+70, out of bounds");
+            "potential.energies[1]: row 2 of the table of the potential has the energy -1e+70, out of bounds");
   EXPECT_EQ(problem_of({0.0, 0.5, 1.0, 1.5}, y),
-            "potential.distances: the first distance of the table of the potential is 0, not above 0");
+            "potential.distances[0]: the first distance of the table of the potential is 0, not above 0");
   EXPECT_EQ(
       problem_of({0.8, 0.81, 0.82, 1.1}, y),
-      "potential.distances: the table of the potential has a gap at row 3: the distances before and after 0.82 are "
+      "potential.distances[2]: the table of the potential has a gap at row 3: the distances before and after 0.82 are "
       "0.01 and 0.28 away, and one of them is more than 10 times the other");
   EXPECT_EQ(problem_of({0.5, 0.6, 0.7, 0.8}, y),
-            "potential.distances: the table of the potential ends at 0.8, below the contact distance 1");
+            "potential.distances[3]: the table of the potential ends at 0.8, below the contact distance 1");
 }
 
 TEST(EnergyTable, IsRefusedWhereItsSplineTurnsBackBetweenRowsThatOnlyFall) {
@@ -135,7 +135,7 @@ TEST(EnergyTable, IsRefusedWhereItsSplineTurnsBackBetweenRowsThatOnlyFall) {
   };
   auto const [coarse_x, coarse_y] = steep(14);
   std::string const problem = problem_of(coarse_x, coarse_y);
-  EXPECT_NE(problem.find("potential.energies: the spline through the table of the potential turns back between the "
+  EXPECT_NE(problem.find("potential.energies[1]: the spline through the table of the potential turns back between the "
                          "distances 0.85 and 0.9"),
             std::string::npos)
       << problem;

@@ -46,6 +46,20 @@ TEST_F(PotentialFile, BecomesTheRowsOfTheConfiguration) {
   EXPECT_TRUE(setup.notes.empty());
 }
 
+TEST_F(PotentialFile, IsNamedWithItsLineWhereARowIsWrong) {
+  try {
+    set_up_with("# of a fit\ndistance,energy\n0.8,5\n\n0.9,2.5\n# twice\n0.9,1\n1.2,0\n");
+    ADD_FAILURE() << "the row is taken";
+  } catch (Error const& error) {
+    Problem const& problem = error.problems().front();
+    EXPECT_EQ(problem.file, (directory_ / "ramp.csv").string());
+    EXPECT_EQ(problem.line, 7);
+    EXPECT_EQ(problem.source_line, "0.9,1");
+    EXPECT_EQ(problem.what,
+              "the distances of the table of the potential do not increase: row 2 has 0.9, and row 3 after it 0.9");
+  }
+}
+
 TEST_F(PotentialFile, IsRefusedWithoutItsColumnsOrBesideRows) {
   EXPECT_EQ(problem_with("r,energy\n0.8,5\n0.9,2\n1,1\n1.2,0\n"),
             "the table of the potential has no column distance; its columns are r, energy");
