@@ -92,6 +92,19 @@ def test_the_motions_in_the_largest_drop_of_a_shear_are_drawn(tmp_path, drawn):
     assert len(axes["shear"].lines) == 1 + len(events) > 1
 
 
+def test_the_motions_in_a_drop_are_drawn_in_the_box_of_the_drop(tmp_path, drawn):
+    quench = {**SOFT["protocol"][0], "packing_fraction": 0.9}
+    strain = {"stage": "shear", "deformation": "pure_shear", "strain_step": 0.005, "min_drop": 1e-5}
+    gridlock.run({**SOFT, "protocol": [quench, {**strain, "until_strain": 0.1}, {**strain, "until_strain": -0.05}]}, tmp_path / "out")
+    run = gridlock.open(tmp_path / "out")
+    events = run.table("shear_events")
+    event = events[np.argmax(events["stress_drop"])]
+    stretch = np.exp(0.5 * (event["strain"] + (0.1 if event["stage"] == 2 else 0.0)))
+    axes = drawn(run.path)["shear_event"]
+    assert axes.get_xlim()[1] == pytest.approx(OBLONG["width"] * stretch, rel=1e-9)
+    assert axes.get_ylim()[1] == pytest.approx(OBLONG["height"] / stretch, rel=1e-9)
+
+
 def test_no_level_of_a_stage_hides_that_of_another(tmp_path, drawn):
     gridlock.run(SOFT, tmp_path / "out")
     first, second = drawn(tmp_path / "out")["levels"].lines

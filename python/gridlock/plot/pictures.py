@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .. import _core
+from ..box import Box
 from ..errors import Error
 from ..files import Frame, RunDirectory, read_xyz
 from ..packings import Contacts, contacts
@@ -193,6 +194,26 @@ def _draw_levels(artist: _Artist, run: RunDirectory) -> None:
         artist.chart("levels", lambda axes: chart_levels(axes, levels, names))
 
 
+def _box_at_event(run: RunDirectory, last: Frame, event: Any) -> Box:
+    """The box at the last strain before an event: that of the last frame, without the strain of later steps.
+
+    The frame of an interrupted stage is that of its start.
+    """
+    minima, ended = run.table("shear"), run.table("stages")["stage"] if _has(run.path, "stages.csv") else []
+    box = last.box
+    for stage in np.unique(minima["stage"])[::-1]:
+        if stage < event["stage"]:
+            break
+        strains = minima["strain"][minima["stage"] == stage]
+        strain = (event["strain"] if stage == event["stage"] else strains[0]) - (strains[-1] if stage in ended else strains[0])
+        if run.settings["protocol"][int(stage) - 1].get("deformation") == "pure_shear":
+            stretch = float(np.exp(0.5 * strain))
+            box = Box(box.width * stretch, box.height / stretch, box.periodic, box.tilt * stretch**2)
+        else:
+            box = Box(box.width, box.height, box.periodic, box.tilt + float(strain))
+    return box
+
+
 def _draw_shear(artist: _Artist, run: RunDirectory, last: Frame) -> None:
     """Stress against strain of each stage of shear, with a mark where the stress drops, and the motions in the largest drop."""
     minima = run.table("shear")
@@ -206,7 +227,8 @@ def _draw_shear(artist: _Artist, run: RunDirectory, last: Frame) -> None:
     motions = run.table("shear_motions")
     motions = motions[(motions["stage"] == event["stage"]) & (motions["event"] == number)]
     if len(motions) > 0:
-        artist.agents("shear_event", last.box, lambda axes: draw_event(axes, last.box, event, motions), has_side=False)
+        box = _box_at_event(run, last, event)
+        artist.agents("shear_event", box, lambda axes: draw_event(axes, box, event, motions), has_side=False)
 
 
 def _require_start_of_steps(first: Frame | None, run: RunDirectory) -> Frame:
