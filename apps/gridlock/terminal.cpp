@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "simulation/start_file.hpp"
+
 namespace gridlock::cli {
 
 namespace {
@@ -108,8 +110,9 @@ void ProgressLine::show(double fraction, std::string const& what) {
   std::fflush(stderr);
 }
 
-std::string text_of(Box const& box) {
-  std::string const tilt = box.is_oblique() ? fmt::format(", tilt {:.6g}", box.tilt()) : "";
+std::string text_of(Box const& box, double given_tilt) {
+  std::string tilt = box.is_oblique() ? fmt::format(", tilt {:.6g}", box.tilt()) : "";
+  if (flipped_tilt(given_tilt, box, "")) tilt += fmt::format(", folded from the tilt {:.6g} of the file", given_tilt);
   return fmt::format("{} box {} × {}{}", edges_in_words(box), box.width(), box.height(), tilt);
 }
 

@@ -48,8 +48,8 @@ class ProgressLine {
   Clock::time_point last_time_;
 };
 
-/// Returns a box as text: "periodic box 1 × 1, tilt 0.3".
-std::string text_of(Box const& box);
+/// Returns a box as text: "periodic box 1 × 1, tilt 0.3"; and the tilt of a file that leans farther.
+std::string text_of(Box const& box, double given_tilt = 0.0);
 
 /// Returns a duration as text: 93 s → "1 min 33 s".
 std::string duration_text(double seconds);

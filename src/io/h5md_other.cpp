@@ -416,6 +416,7 @@ H5mdFrame OtherTrajectory::read_frame(std::size_t k) const {
   auto const [width, height, shift] = vectors_at(k);
   try {
     frame.box = box_of(width, height, shift, edges_);
+    result.given_tilt = shift / height;
   } catch (Error const&) {
     throw hdf5::Failure(fmt::format("the box of frame {} is {} × {} with the shift {}", k, width, height, shift));
   }

@@ -202,6 +202,7 @@ H5mdFrame OwnTrajectory::read_frame(std::size_t k) const {
   H5mdFrame result;
   Frame& frame = result.frame;
   frame.box = read_box(k);
+  result.given_tilt = frame.box.tilt();
   frame.clock = clocks_[k];
   frame.seed = seed_;
   frame.ids = read_ids(k);

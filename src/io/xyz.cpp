@@ -59,6 +59,7 @@ XyzFrame read_all(Reader& reader) {
       .has_radii = columns.has_radii(),
       .has_masses = columns.has(Role::mass),
       .has_images = columns.has(Role::image_x) || reader.folded() > 0,
+      .given_tilt = reader.given_tilt(),
       .unused_columns = reader.unused(),
       .unused_entries = header.unused_entries};
   Disks& disks = frame.state.agents;

@@ -78,6 +78,8 @@ class Reader {
   /// Returns the names in the file that disks do not use.
   [[nodiscard]] std::vector<std::string> unused() const;
   [[nodiscard]] Box const& box() const { return box_; }
+  /// Returns the tilt of the Lattice, which may lean farther than the box.
+  [[nodiscard]] double given_tilt() const { return header_.sides->shift / header_.sides->height; }
   /// Returns how many rows so far were outside the box and have been folded into it.
   [[nodiscard]] std::uint64_t folded() const { return folded_; }
   /// Returns for how many rows to reserve memory; less than count() if the file is too small for its first line.

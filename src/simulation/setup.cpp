@@ -14,21 +14,13 @@
 #include "simulation/potential_file.hpp"
 #include "simulation/settings_message.hpp"
 #include "simulation/slow_start.hpp"
+#include "simulation/start_file.hpp"
 
 namespace gridlock {
 
 namespace {
 
 constexpr std::uint64_t default_steps = 10'000;
-
-/// Returns a note on a tilt beyond half a width.
-std::optional<Event> flipped_tilt(BoxSettings const& settings) {
-  double const tilt = make_box(settings).tilt();
-  // Half a width to the right and to the left are the same.
-  if (std::abs(settings.tilt) <= (1.0 + 1e-9) * std::abs(tilt)) return std::nullopt;
-  return Event{
-      .kind = EventKind::tilt_flipped, .key = "box.tilt", .values = {{"given", settings.tilt}, {"tilt", tilt}}};
-}
 
 }  // namespace
 
@@ -49,10 +41,11 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
     return is_from_command_line ? options.directory : file.directory();
   };
   Configuration configuration;
+  std::filesystem::path potential_file;
   options.processes.on_root([&] {
     configuration = read_configuration(file);
     try {
-      take_table_file(configuration.engine.potential, directory_of("potential.file"));
+      potential_file = take_table_file(configuration.engine.potential, directory_of("potential.file"));
     } catch (Error const& error) {
       throw file.locate(error);
     }
@@ -62,19 +55,22 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
     SetupOptions known = options;
     known.directory = directory_of("disks.file");
     known.is_given = [&](std::string_view key) { return file.is_given(key); };
-    return set_up(std::move(configuration), known);
+    Setup setup = set_up(std::move(configuration), known);
+    setup.potential_file = std::move(potential_file);
+    return setup;
   } catch (Error const& error) {
     throw file.locate(error);
   }
 }
 
 Setup set_up(Configuration configuration, SetupOptions const& options) {
-  take_table_file(configuration.engine.potential, options.directory);
+  std::filesystem::path potential_file = take_table_file(configuration.engine.potential, options.directory);
   options.processes.agree([&] {
     check(configuration, options.is_given, options.processes);
     require_shareable(configuration, options.processes.count());
   });
   Setup setup;
+  setup.potential_file = std::move(potential_file);
   setup.notes = unused_settings(configuration, options.is_given);
   setup.configuration = std::move(configuration);
   // The settings of other models are removed, since they would be written into config.resolved.toml without effect.
@@ -88,7 +84,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   }
   setup.configuration.kind().build(setup, options);
   options.processes.agree([&] { check_end(setup); });
-  if (auto note = flipped_tilt(box)) setup.notes.push_back(*std::move(note));
+  if (auto note = flipped_tilt(box.tilt, make_box(box), "box.tilt")) setup.notes.push_back(*std::move(note));
   std::ranges::move(frames_beyond_end(setup), std::back_inserter(setup.notes));
   return setup;
 }

@@ -133,6 +133,13 @@ State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGive
   return state;
 }
 
+std::optional<Event> flipped_tilt(double given, Box const& box, std::string key) {
+  // Half a width to the right and to the left are the same.
+  if (std::abs(given) <= (1.0 + 1e-9) * std::abs(box.tilt())) return std::nullopt;
+  return Event{
+      .kind = EventKind::tilt_flipped, .key = std::move(key), .values = {{"given", given}, {"tilt", box.tilt()}}};
+}
+
 std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings const& velocities) {
   std::vector<Event> notes;
   auto const add = [&](EventKind kind, Severity severity, std::vector<std::pair<std::string, EventValue>> values) {
@@ -158,6 +165,7 @@ std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings co
     add(EventKind::entries_unused, Severity::note,
         {{"entries", fmt::format("{}", fmt::join(entries, ", "))}, {"time", clock_of(reader.header()).time}});
   }
+  if (auto note = flipped_tilt(reader.given_tilt(), reader.box(), "disks.file")) notes.push_back(*std::move(note));
   if (reader.folded() > 0) add(EventKind::disks_folded, Severity::info, {{"disks", reader.folded()}});
   return notes;
 }

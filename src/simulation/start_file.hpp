@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
@@ -39,6 +41,9 @@ void take_summary(Configuration& configuration, StartFileSummary const& file, Is
 /// Reads all disks of a file after its header into this process, and sets the settings that the file determines.
 /// Errors: Error.
 State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGiven const& is_given);
+
+/// Returns a note on a tilt that leans farther than the box which was made of it: beyond half a width.
+std::optional<Event> flipped_tilt(double given, Box const& box, std::string key);
 
 /// Returns notes on a start file: on missing columns and unused data.
 std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings const& velocities);

@@ -106,6 +106,20 @@ TEST(ForeignXyz, AFrameOfOurOwnExportIsChosenByItsNumber) {
   EXPECT_NE(text_of(workplace / "on/start.xyz").find("step=10 "), std::string::npos);
 }
 
+TEST(ForeignXyz, ATiltBeyondHalfAWidthIsToldAsFolded) {
+  Workplace const workplace;
+  write(workplace / "a.xyz",
+        "1\nLattice=\"2 0 0 1.5 2 0 0 0 1\" Properties=species:S:1:pos:R:3:radius:R:1 pbc=\"T T F\"\nA 1 1 0 0.25\n");
+  Outcome const info = outcome_of(workplace, {"info", "a.xyz"});
+  EXPECT_NE(info.out.find("periodic box 2 × 2, tilt -0.25, folded from the tilt 0.75 of the file,"), std::string::npos)
+      << info.out << info.err;
+  write(workplace / "on.toml", "disks.file = \"a.xyz\"\nengine.kind = \"exact\"\nrun.steps = 1\n");
+  Outcome const run = outcome_of(workplace, {"run", "on.toml", "-o", "on", "--no-pictures"});
+  EXPECT_NE(run.err.find("box.tilt = 0.75 has the images of a box with the tilt -0.25, which is used"),
+            std::string::npos)
+      << run.err;
+}
+
 TEST(ForeignXyz, InfoKnowsTheEndingsOfOtherPrograms) {
   Workplace const workplace;
   for (char const* name : {"a.xyz", "a.extxyz", "a.exyz"}) {

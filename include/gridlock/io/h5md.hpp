@@ -53,6 +53,7 @@ struct H5mdFrame {
   Frame frame;
   std::vector<double> observables;  ///< one for each of H5mdSettings::observables; nan if not measured at this step
   std::uint64_t state_hash = 0;     ///< state hash of the whole state, even if the frame has only some columns
+  double given_tilt = 0.0;          ///< of the edges; the box has the one below half a width with the same images
 };
 
 /// Writes a trajectory in H5MD 1.1, the open standard on top of HDF5, a frame at a time.

@@ -52,6 +52,7 @@ struct XyzFrame {
   bool has_radii = false;       ///< false: all radii are 0, and the caller must set them
   bool has_masses = false;      ///< false: all masses are 1
   bool has_images = false;      ///< false: all images are 0
+  double given_tilt = 0.0;      ///< of the Lattice; the box has the one below half a width with the same images
   /// The other columns with one number for each row, in the order of the Ids; nan for a missing number.
   std::vector<FrameColumn> others = {};
   std::vector<std::string> unused_columns = {};  ///< names of columns that disks do not have, except their kind
