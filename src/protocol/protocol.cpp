@@ -191,6 +191,10 @@ std::string Protocol::name_of_stage() const {
   return stage() < stages() ? settings_.stages[stage()].kind : std::string();
 }
 
+std::optional<ShearResult> Protocol::shear_so_far() const {
+  return current_ ? current_->shear_so_far() : std::nullopt;
+}
+
 std::uint64_t Protocol::work() const {
   std::uint64_t sum = current_ ? current_->work() : 0;
   for (StageResult const& result : results_) sum += result.work;

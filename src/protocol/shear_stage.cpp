@@ -44,6 +44,10 @@ class ShearStage final : public Stage {
   }
   void serialize(Archive& archive, State const& /*state*/) override { shear_.serialize(archive); }
   [[nodiscard]] std::uint64_t work() const override { return shear_.minimizer().iterations(); }
+  [[nodiscard]] std::optional<ShearResult> shear_so_far() const override {
+    return ShearResult{
+        .minima = shear_.minima(), .events = shear_.events(), .motions = shear_.motions(), .cycles = shear_.cycles()};
+  }
   [[nodiscard]] StageResult result(State const& state) const override {
     ContactNetwork const network = find_contact_network(shear_.packing(), soft_.potential);
     PressureLevel level = level_of(shear_.packing(), network);
@@ -52,8 +56,7 @@ class ShearStage final : public Stage {
                        .is_converged = shear_.status() == ShearStatus::reached,
                        .levels = {level}};
     if (!*result.is_converged) result.packing_fraction_without_minimum = result.packing_fraction;
-    result.shear = ShearResult{
-        .minima = shear_.minima(), .events = shear_.events(), .motions = shear_.motions(), .cycles = shear_.cycles()};
+    result.shear = shear_so_far();
     add_end(network, soft_, result);
     return result;
   }

@@ -39,6 +39,8 @@ class Stage {
   virtual void serialize(Archive& archive, State const& state) = 0;
   /// Number of iterations, events or trial moves done; it differs whenever the state has changed.
   [[nodiscard]] virtual std::uint64_t work() const = 0;
+  /// Returns what shear has measured so far; nothing for another kind of stage.
+  [[nodiscard]] virtual std::optional<ShearResult> shear_so_far() const { return std::nullopt; }
   /// Returns the results. Contract: the stage has ended.
   [[nodiscard]] virtual StageResult result(State const& state) const = 0;
 };

@@ -465,11 +465,11 @@ std::vector<NamedEstimate> ProtocolSimulation::results() const {
 std::vector<Distribution> ProtocolSimulation::distributions() const {
   std::vector<Distribution> distributions;
   if (has_run()) distributions = simulation_->distributions();
-  if (protocol_.results().empty()) return distributions;
-  distributions.push_back(stages_table(protocol_.results()));
-  std::vector<Distribution> tables{levels_table(protocol_.results()), swap_table(protocol_.results()),
-                                   density_table(protocol_.results())};
-  std::ranges::move(shear_tables(protocol_.results()), std::back_inserter(tables));
+  std::vector<StageResult> stages = protocol_.results();
+  if (!stages.empty()) distributions.push_back(stages_table(stages));
+  std::vector<Distribution> tables{levels_table(stages), swap_table(stages), density_table(stages)};
+  stages.push_back({.shear = protocol_.shear_so_far()});
+  std::ranges::move(shear_tables(stages), std::back_inserter(tables));
   for (Distribution& table : tables) {
     if (!table.columns_of_values.front().empty()) distributions.push_back(std::move(table));
   }

@@ -111,6 +111,8 @@ class Protocol {
   [[nodiscard]] std::uint64_t work() const;
   /// Returns the results of the stages that have ended.
   [[nodiscard]] std::vector<StageResult> const& results() const { return results_; }
+  /// Returns what the present stage has measured if it is a shear; nothing for another kind, and after the last stage.
+  [[nodiscard]] std::optional<ShearResult> shear_so_far() const;
 
   /// Serializes the protocol. Contract: the caller has serialized the state before.
   void serialize(Archive& archive, State const& state);

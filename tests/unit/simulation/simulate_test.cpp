@@ -141,6 +141,29 @@ TEST(Simulate, TellsATiltThatIsChanged) {
   EXPECT_TRUE(texts().empty());
 }
 
+TEST(Simulate, AShearThatIsStoppedHasItsMinimaSoFar) {
+  Configuration configuration;
+  configuration.box.edge = Edge::periodic;
+  configuration.disks = {.count = 32, .packing_fraction = 0.5, .start = StartKind::uniform};
+  configuration.protocol = {{.kind = "quench", .packing_fraction = 0.9}, {.kind = "shear", .until_strain = 0.01}};
+  gridlock::Setup setup = set_up(configuration);
+  auto const stresses = [&] {
+    for (Distribution const& table : setup.simulation->distributions()) {
+      if (table.name == "shear") return table.columns_of_values[2];
+    }
+    return std::vector<double>();
+  };
+  int looks = 0;
+  EXPECT_FALSE(setup.simulation->prepare([&] { return ++looks % 16 != 0 || stresses().size() < 4; }));
+  std::vector<double> const part = stresses();
+  EXPECT_TRUE(setup.simulation->prepare([] { return true; }));
+  std::vector<double> const whole = stresses();
+  ASSERT_EQ(whole.size(), 11U);
+  ASSERT_LT(part.size(), whole.size());
+  EXPECT_GE(part.size(), 4U);
+  EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin()));
+}
+
 TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
   RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
   EXPECT_EQ(result.status, RunStatus::interrupted);
