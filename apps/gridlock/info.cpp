@@ -76,9 +76,9 @@ void print_frame(fs::path const& path, std::optional<std::int64_t> chosen) {
     fmt::print("  {} frames; this is frame {}\n", frames,
                shown < 0 ? static_cast<std::int64_t>(frames) + shown : shown);
   }
-  fmt::print("  {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n", text_of(state.box, frame.given_tilt),
-             gridlock::covered_area(state.agents) / state.box.area(), state.clock.step, state.clock.time, state.seed,
-             frame.has_velocities ? "with" : "without");
+  fmt::print("  {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n",
+             text_of(state.box, frame.given_tilt), gridlock::covered_area(state.agents) / state.box.area(),
+             state.clock.step, state.clock.time, state.seed, frame.has_velocities ? "with" : "without");
   if (!frame.unused_columns.empty()) fmt::print("  columns not used: {}\n", fmt::join(frame.unused_columns, ", "));
   if (!frame.unused_entries.empty()) {
     fmt::print("  of another kind than here, and not used: {}\n", fmt::join(frame.unused_entries, ", "));
@@ -96,7 +96,8 @@ void print_trajectory(fs::path const& path) {
     gridlock::Box const& box = last.frame.box;
     std::vector<std::string> columns;
     for (gridlock::FrameColumn const& column : last.frame.columns) columns.push_back(column.name);
-    fmt::print("  {}, {} agents first, {} last\n", text_of(box, last.given_tilt), first.frame.size(), last.frame.size());
+    fmt::print("  {}, {} agents first, {} last\n", text_of(box, last.given_tilt), first.frame.size(),
+               last.frame.size());
     fmt::print("  steps {} to {}, time {} to {}\n", first.frame.clock.step, last.frame.clock.step,
                first.frame.clock.time, last.frame.clock.time);
     fmt::print("  columns: {}\n", fmt::join(columns, ", "));

@@ -99,7 +99,7 @@ def test_the_motions_in_a_drop_are_drawn_in_the_box_of_the_drop(tmp_path, drawn)
     run = gridlock.open(tmp_path / "out")
     events = run.table("shear_events")
     event = events[np.argmax(events["stress_drop"])]
-    stretch = np.exp(0.5 * (event["strain"] + (0.1 if event["stage"] == 2 else 0.0)))
+    stretch = np.exp(0.5 * (event["strain"] + (0.1 if event["stage"] == 3 else 0.0)))
     axes = drawn(run.path)["shear_event"]
     assert axes.get_xlim()[1] == pytest.approx(OBLONG["width"] * stretch, rel=1e-9)
     assert axes.get_ylim()[1] == pytest.approx(OBLONG["height"] / stretch, rel=1e-9)
