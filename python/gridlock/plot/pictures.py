@@ -199,7 +199,8 @@ def _box_at_event(run: RunDirectory, last: Frame, event: Any) -> Box:
 
     The frame of an interrupted stage is that of its start.
     """
-    minima, ended = run.table("shear"), run.table("stages")["stage"] if _has(run.path, "stages.csv") else []
+    minima = run.table("shear")
+    ended = list(run.table("stages")["stage"]) if _has(run.path, "stages.csv") else []
     box = last.box
     for stage in np.unique(minima["stage"])[::-1]:
         if stage < event["stage"]:
