@@ -174,18 +174,12 @@ Numbers sheared_steadily(SteadyFlow const& of, std::uint64_t seed) {
 void soft() { fluids_of_soft_disks(); }
 
 void flow() {
-  constexpr std::array packing_fractions{0.82, 0.8435, 0.86};
-  constexpr std::array rates{1e-3, 1e-4, 1e-5};
-  constexpr std::array strains{20.0, 8.0, 5.0};
-  // By packing fraction, then by rate.
-  constexpr std::array stresses{Estimate{1.189e-3, 2.8e-5}, Estimate{2.32e-4, 1.8e-5},  Estimate{3.2e-5, 6e-6},
-                                Estimate{1.894e-3, 5e-5},   Estimate{6.84e-4, 3.8e-5},  Estimate{2.7e-4, 2e-5},
-                                Estimate{2.51e-3, 8e-5},    Estimate{1.113e-3, 4.8e-5}, Estimate{6.14e-4, 3.4e-5}};
-  constexpr std::array pressures{Estimate{4.20e-3, 6e-5},    Estimate{9.4e-4, 8e-5},    Estimate{1.32e-4, 2.4e-5},
-                                 Estimate{8.08e-3, 1.6e-4},  Estimate{3.85e-3, 1.2e-4}, Estimate{1.87e-3, 1.8e-4},
-                                 Estimate{1.185e-2, 2.8e-4}, Estimate{7.66e-3, 1.6e-4}, Estimate{5.73e-3, 1.8e-4}};
-  for (std::size_t k = 0; k < stresses.size(); ++k) {
-    SteadyFlow const of{packing_fractions[k / 3], rates[k % 3], strains[k % 3], stresses[k], pressures[k]};
+  for (SteadyFlow const& of : {SteadyFlow{0.82, 1e-3, 20.0, {1.189e-3, 2.8e-5}, {4.20e-3, 6e-5}},
+                               SteadyFlow{0.82, 1e-4, 8.0, {2.32e-4, 1.8e-5}, {9.4e-4, 8e-5}},
+                               SteadyFlow{0.8435, 1e-3, 20.0, {1.894e-3, 5e-5}, {8.08e-3, 1.6e-4}},
+                               SteadyFlow{0.8435, 1e-4, 8.0, {6.84e-4, 3.8e-5}, {3.85e-3, 1.2e-4}},
+                               SteadyFlow{0.86, 1e-3, 20.0, {2.51e-3, 8e-5}, {1.185e-2, 2.8e-4}},
+                               SteadyFlow{0.86, 1e-4, 8.0, {1.113e-3, 4.8e-5}, {7.66e-3, 1.6e-4}}}) {
     auto const found = means(4, [&](std::uint64_t seed) { return sheared_steadily(of, seed); });
     std::string const name = fmt::format("flow at phi {} rate {}", of.packing_fraction, of.rate);
     within_errors("stress: " + name, found[0], of.stress);
