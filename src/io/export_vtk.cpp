@@ -92,7 +92,8 @@ std::string vtp_text(FrameSource const& frame) {
       "<PointData>\n{}</PointData>\n<Points>\n{}</Points>\n<Verts>\n{}{}</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n",
       VtkArrays::text("TimeValue", 1, std::vector<double>{frame.clock().time}),
       VtkArrays::text("box", 2, std::vector<double>{frame.box().width(), frame.box().height()}),
-      VtkArrays::text("tilt", 1, std::vector<double>{frame.box().tilt()}), frame.size(), frame.size(), data, points, VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
+      VtkArrays::text("tilt", 1, std::vector<double>{frame.box().tilt()}), frame.size(), frame.size(), data, points,
+      VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
 }
 
 /// Returns the directory with the files of the single frames.

@@ -191,9 +191,7 @@ std::string Protocol::name_of_stage() const {
   return stage() < stages() ? settings_.stages[stage()].kind : std::string();
 }
 
-std::optional<ShearResult> Protocol::shear_so_far() const {
-  return current_ ? current_->shear_so_far() : std::nullopt;
-}
+std::optional<ShearResult> Protocol::shear_so_far() const { return current_ ? current_->shear_so_far() : std::nullopt; }
 
 std::uint64_t Protocol::work() const {
   std::uint64_t sum = current_ ? current_->work() : 0;

@@ -68,7 +68,8 @@ void open_result_directory(fs::path const& directory, std::vector<fs::path> resu
 }
 
 void open_run_directory(fs::path const& directory, Setup const& setup, bool overwrites, fs::path const& settings_file) {
-  open_result_directory(directory, run_files(directory, setup.configuration), {settings_file, setup.start_file, setup.potential_file}, overwrites);
+  open_result_directory(directory, run_files(directory, setup.configuration),
+                        {settings_file, setup.start_file, setup.potential_file}, overwrites);
 }
 
 }  // namespace gridlock

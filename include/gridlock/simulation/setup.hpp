@@ -34,7 +34,7 @@ struct Setup {
   Configuration configuration;
   std::unique_ptr<Simulation> simulation;  ///< nullptr if SetupOptions::on_slow_start left the start out
   std::filesystem::path start_file;        ///< the file from which the state was read; empty for any other start
-  std::filesystem::path potential_file;    ///< the file from which potential.file was read; empty for any other potential
+  std::filesystem::path potential_file;    ///< the file of the rows of a potential; empty for any other potential
   std::vector<Event> notes;
   double cost_of_move = 1.0;  ///< expected cost of a move, relative to a move with cells that the program chooses
 };

@@ -61,9 +61,10 @@ TEST(Export, AsVtkHasTheSidesAndTheTiltOfTheBox) {
   H5mdReader const trajectory = five_frames(directory, Box(2.0, 1.0, Edge::periodic).tilted(0.25));
   auto const files = export_trajectory(trajectory, {.format = "vtk", .file = directory / "t.pvd", .every = 3});
   std::string const frame = read_file(files.back());
-  for (char const* const array :
-       {R"(Name="box" NumberOfComponents="2" NumberOfTuples="1" format="ascii">)" "\n2 1\n",
-        R"(Name="tilt" NumberOfComponents="1" NumberOfTuples="1" format="ascii">)" "\n0.25\n"}) {
+  for (char const* const array : {R"(Name="box" NumberOfComponents="2" NumberOfTuples="1" format="ascii">)"
+                                  "\n2 1\n",
+                                  R"(Name="tilt" NumberOfComponents="1" NumberOfTuples="1" format="ascii">)"
+                                  "\n0.25\n"}) {
     EXPECT_NE(frame.find(array), std::string::npos) << frame;
   }
 }
