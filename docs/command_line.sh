@@ -13,7 +13,7 @@ cat <<'PAGE'
 | exit code | meaning |
 |---|---|
 | 0 | The command did what it was asked to do. |
-| 1 | A run failed or was stopped. The results so far are written. |
+| 1 | A run failed or was stopped. The results so far are written. `verify`: a replay differs from the run. |
 | 2 | The input cannot be used. Nothing was written. |
 
 Messages go to the standard error stream, results to the standard output. Ctrl-C and SIGTERM stop a run, a sweep or the study

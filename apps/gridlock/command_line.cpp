@@ -138,6 +138,7 @@ ExitCode run_command_line(int argc, char** argv) {
   cli::add_check(app, exit_code);
   cli::add_explain(app, exit_code);
   cli::add_info(app, exit_code);
+  cli::add_verify(app, exit_code);
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
   cli::add_contacts(app, exit_code);

@@ -47,6 +47,7 @@ void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew = nul
 void add_collect(CLI::App& app, ExitCode& exit_code);
 void add_check(CLI::App& app, ExitCode& exit_code);
 void add_explain(CLI::App& app, ExitCode& exit_code);
+void add_verify(CLI::App& app, ExitCode& exit_code);
 void add_info(CLI::App& app, ExitCode& exit_code);
 void add_export(CLI::App& app, ExitCode& exit_code);
 void add_movie(CLI::App& app, ExitCode& exit_code);

@@ -29,7 +29,7 @@ from .box import Box
 from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
-from .files import Frame, FrameContacts, RunDirectory, Trajectory, read_xyz
+from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification, read_xyz, verify
 from .files import open as open
 from .models import Model, Setting, register_model
 from .neighbors import Neighbors, neighbors, pairs, pairs_of_disks
@@ -43,10 +43,10 @@ __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages 
 __all__ = [
     "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "DensityProfile", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
-    "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "Voronoi", "World",
+    "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "Verification", "Voronoi", "World",
     "bond_orientation", "clusters", "combine", "contacts", "density_profile", "diffusion_coefficient", "dynamics", "explain",
     "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
-    "separations", "spectral_density", "structure_factor", "sweep", "voronoi",
+    "separations", "spectral_density", "structure_factor", "sweep", "verify", "voronoi",
 ]
 
 

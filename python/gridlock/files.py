@@ -387,6 +387,32 @@ class RunDirectory:
         return f"<gridlock.RunDirectory {self.path}>"
 
 
+class Verification(NamedTuple):
+    """What :func:`verify` has found."""
+
+    is_verified: bool  #: whether everything that was replayed agrees, bit for bit
+    text: str  #: the sentence of ``gridlock verify``: what agrees, or where the first difference is
+    steps: int  #: replayed
+    hashes: int  #: that agree, as have the next two
+    states: int
+    frames: int
+
+
+def verify(directory: str | os.PathLike[str], *, windows: int = 0, seed: int = 1, window_steps: int | None = None,
+           threads: int | None = None) -> Verification:
+    """Replays a run and compares it with the hashes, frames and states that it has recorded, as ``gridlock verify`` does.
+
+    :param windows: how many parts to replay, chosen at random from the states of ``checkpoint.keep_states``; 0: the whole run.
+    :param window_steps: the length of a part; None: up to the next recorded hash.
+    :raises Error: for a directory whose run cannot be verified, as where its settings were changed since.
+    """
+    return Verification(**_core.verify_directory(
+        str(directory), as_count(windows, "windows", "use a whole number, 0 or above", least=0, most=MOST_STEPS),
+        as_count(seed, "seed", "use a whole number, 0 or above", least=0, most=MOST_STEPS),
+        None if window_steps is None else as_count(window_steps, "window_steps", most=MOST_STEPS),
+        None if threads is None else as_threads(threads)))
+
+
 def open(path: str | os.PathLike[str]) -> RunDirectory | Any:
     """A run directory, a sweep directory, a trajectory or a state, by what the path holds; of a file its first bytes tell, not its name.
 

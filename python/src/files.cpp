@@ -27,6 +27,7 @@
 #include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "gridlock/workspace/verify.hpp"
 #include "io/file.hpp"
 #include "io/file_format.hpp"
 #include "listener.hpp"
@@ -86,6 +87,24 @@ std::string resume_directory(std::string const& directory, std::optional<std::ui
                    : resume_in(directory, hooks);
   }
   return status_of(record, listener);
+}
+
+NamedValues verify_directory(std::string const& directory, std::uint64_t windows, std::uint64_t seed,
+                             std::optional<std::uint64_t> window_steps, std::optional<std::uint64_t> threads) {
+  Verification found;
+  {
+    nb::gil_scoped_release const released;
+    found = verify_run(
+        directory, {.windows = windows, .seed = seed, .window_steps = window_steps, .threads = threads, .on_progress = {}});
+  }
+  NamedValues values;
+  values["is_verified"] = found.difference.empty();
+  values["text"] = to_text(found);
+  values["steps"] = found.steps;
+  values["hashes"] = found.hashes;
+  values["states"] = found.states;
+  values["frames"] = found.frames;
+  return values;
 }
 
 NamedValues columns_of(Table const& table) {
@@ -270,6 +289,8 @@ void bind_files(nb::module_& module) {
              nb::arg("overwrites"), nb::arg("threads").none(), nb::arg("on_progress").none());
   module.def("resume_directory", &resume_directory, nb::arg("directory"), nb::arg("steps").none(),
              nb::arg("threads").none(), nb::arg("on_progress").none());
+  module.def("verify_directory", &verify_directory, nb::arg("directory"), nb::arg("windows"), nb::arg("seed"),
+             nb::arg("window_steps").none(), nb::arg("threads").none());
   module.def("sweep_size", &sweep_size, nb::arg("file").none(), nb::arg("assignments"));
   module.def("sweep_directory", &sweep_directory, nb::arg("file").none(), nb::arg("assignments"), nb::arg("directory"),
              nb::arg("overwrites"), nb::arg("threads"), nb::arg("shard").none(), nb::arg("on_progress").none());

@@ -61,6 +61,8 @@ void serialize_result(Archive& archive, StageResult& result) {
   archive.visit("disks", result.disks);
   archive.visit("work", result.work);
   archive.visit("pair_collisions", result.pair_collisions);
+  // Checkpoints of earlier versions have no state hash here.
+  if (!archive.is_restoring() || archive.has("state_hash")) archive.visit("state_hash", result.state_hash);
   serialize_optional(archive, "jamming_packing_fraction", result.jamming_packing_fraction);
   serialize_optional(archive, "error_of_jamming_packing_fraction", result.error_of_jamming_packing_fraction);
   bool has_swap = result.swap.has_value();
@@ -164,6 +166,7 @@ bool Protocol::advance(State& state, std::function<bool()> const& should_continu
       result.kind = kind;
       result.work = current_->work();
       result.disks = static_cast<double>(state.agents.size());
+      result.state_hash = hash(state);
       if (!results_.empty()) take_over_jamming_packing_fraction(results_.back(), result);
       results_.push_back(std::move(result));
     } catch (RunFailure const& failure) {

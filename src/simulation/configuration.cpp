@@ -86,6 +86,11 @@ void describe(CheckpointSettings& settings, SettingVisitor& visitor) {
        .documentation = "Whether a finished run keeps its last checkpoint, with which gridlock resume --steps "
                         "lengthens it."},
       settings.keep_last);
+  visitor.visit({.key = "keep_states",
+                 .documentation = "How many states, spread evenly along the run, are kept in states/, from which "
+                                  "gridlock verify --windows replays parts of the run; 0 for none.",
+                 .max = 10'000},
+                settings.keep_states);
 }
 
 void describe(ModelSettings& settings, SettingVisitor& visitor) {

@@ -176,7 +176,6 @@ Extent Run::extent() const {
           .pair_collisions = simulation_.pair_collisions()};
 }
 
-/// Returns the fraction of the run that is done: the largest of the fractions in steps, time and collisions.
 double Run::fraction_of(Extent const& extent) const {
   StopCondition const& end = plan_.stop_condition;
   auto const share = [](double done, double all) { return all > 0.0 ? done / all : 1.0; };

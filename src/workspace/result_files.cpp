@@ -17,6 +17,7 @@
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
+#include "workspace/hash_chain.hpp"
 
 namespace gridlock {
 
@@ -273,6 +274,7 @@ void remove_results(fs::path const& directory) {
   }
   // Parts of checkpoints are not listed, since their names contain checksums.
   if (has(entries, "checkpoint.gridlock")) remove_checkpoints(directory);
+  if (has(entries, states_name)) remove_kept_states(directory);
   std::error_code ignored;
   if (has(entries, "plan.json") && fs::is_directory(fs::symlink_status(directory / "runs", ignored))) {
     remove_runs(directory / "runs");

@@ -20,6 +20,7 @@
 #include "simulation/trajectory.hpp"
 #include "workspace/checkpoint_clock.hpp"
 #include "workspace/continued_run.hpp"
+#include "workspace/hash_chain.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/run_files.hpp"
 #include "workspace/run_log.hpp"
@@ -55,15 +56,11 @@ class RunInDirectory {
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
         simulation_(*setup_.simulation),
-        run_(simulation_, plan_) {
-    TrajectorySettings const& settings = setup_.configuration.trajectory;
-    if (!settings.has_frames()) return;
-    trajectory_.emplace(settings, simulation_.time_step(),
-                        TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version(),
-                                                 [this](std::string_view column) {
-                                                   return setup_.configuration.kind().value_names(column);
-                                                 }});
-    run_.add(*trajectory_);
+        run_(simulation_, plan_),
+        chain_(run_, plan_.sample_every, setup_.configuration.checkpoint.keep_states,
+               [this](std::uint64_t step) { keep_state(step); }) {
+    add_trajectory();
+    run_.add(chain_);
   }
 
   void begin() {
@@ -73,6 +70,7 @@ class RunInDirectory {
                                "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
         record_result(directory_ / name);
       }
+      if (setup_.configuration.checkpoint.keep_states > 0) record_result(directory_ / states_name);
     });
     if (!setup_.start_file.empty()) {
       simulation_.give_frame([&](FrameSource const& frame) { write_xyz(frame, directory_ / "start.xyz"); });
@@ -158,6 +156,7 @@ class RunInDirectory {
       std::filesystem::remove(directory_ / summary_name, ignored);
       write_file(directory_ / configuration_name, configuration_);
     });
+    write_chain();
     log_.write({.kind = EventKind::lengthened,
                 .severity = Severity::info,
                 .step = simulation_.clock().step,
@@ -181,6 +180,7 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
+      write_chain(status == RunStatus::finished ? std::optional(record.state_hash) : std::nullopt);
       simulation_.give_frame([&](FrameSource const& frame) {
         write_run_results(directory_, versions_, setup_.configuration, start_hash_, record, frame,
                           processes_.communicator().traffic_of_ranks());
@@ -214,6 +214,17 @@ class RunInDirectory {
   }
 
  private:
+  void add_trajectory() {
+    TrajectorySettings const& settings = setup_.configuration.trajectory;
+    if (!settings.has_frames()) return;
+    trajectory_.emplace(settings, simulation_.time_step(),
+                        TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version(),
+                                                 [this](std::string_view column) {
+                                                   return setup_.configuration.kind().value_names(column);
+                                                 }});
+    run_.add(*trajectory_);
+  }
+
   /// Adds this version to those of the checkpoint, with a note, if the checkpoint was saved by another version.
   void note_version() {
     constexpr std::string_view then = ", then ";
@@ -272,28 +283,72 @@ class RunInDirectory {
     Clock const clock = simulation_.clock();
     std::uint64_t const work = simulation_.preparation().work;
     if (saved_at_ == clock && saved_work_ == work) return;
-    auto const warn = [&](std::string const& why) {
-      // Parts of an incomplete checkpoint are removed, since a full disk needs their space.
-      processes_.on_root([&] { remove_unneeded_parts(directory_); });
-      log_.write({.kind = EventKind::checkpoint_failed,
-                  .severity = Severity::warning,
-                  .step = clock.step,
-                  .values = {{"why", why}}});
-    };
-    try {
+    attempt_to_save([&] {
+      write_chain();
       write_checkpoint_of_all(
           directory_, [&](Archive& archive) { serialize(archive); }, processes_);
       saved_at_ = clock;
       saved_work_ = work;
       log_.write({.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = clock.step});
+    });
+  }
+
+  /// Saves the present state for `gridlock verify`, without the series and the writers of the run.
+  void keep_state(std::uint64_t step) {
+    attempt_to_save([&] {
+      std::filesystem::path const directory = directory_of_state(directory_, step);
+      processes_.on_root([&] {
+        std::error_code ignored;  // write_checkpoint() names the reason
+        std::filesystem::create_directories(directory, ignored);
+      });
+      write_checkpoint_of_all(
+          directory,
+          [&](Archive& archive) {
+            archive.visit("configuration", configuration_);
+            serialize_inside(archive, "simulation", [&] { simulation_.serialize(archive); });
+          },
+          processes_);
+      // A run that was continued from before this state has kept it already.
+      processes_.on_root([&] { remove_previous_checkpoint(directory); });
+    });
+  }
+
+  /// Calls `save` and logs its failure, which does not end the run: its results are written at its end.
+  void attempt_to_save(std::function<void()> const& save) {
+    auto const warn = [&](std::string const& why) {
+      // Parts of an incomplete checkpoint are removed, since a full disk needs their space.
+      processes_.on_root([&] { remove_unneeded_parts(directory_); });
+      log_.write({.kind = EventKind::checkpoint_failed,
+                  .severity = Severity::warning,
+                  .step = simulation_.clock().step,
+                  .values = {{"why", why}}});
+    };
+    try {
+      save();
     } catch (RunFailure const& failure) {
       warn(failure.what());
     } catch (Error const& error) {
-      // A failed checkpoint does not end the run, whose results are written at its end.
       warn(error.problems().front().what);
     } catch (std::bad_alloc const&) {
       warn("not enough memory");
     }
+  }
+
+  /// Writes hashes.csv; `end` is the hash of the last state if the run is finished.
+  void write_chain(std::optional<std::uint64_t> end = std::nullopt) {
+    std::uint64_t const step = simulation_.clock().step;
+    std::uint64_t const first_step = step - run_.extent().steps;
+    std::vector<HashLink> links{{.of = "settings", .step = first_step, .hash = hash_of_settings(configuration_)},
+                                {.of = "start", .step = first_step, .hash = start_hash_}};
+    for (std::uint64_t const hash : simulation_.preparation().state_hashes) {
+      links.push_back({.of = fmt::format("stage {}", links.size() - 1), .step = first_step, .hash = hash});
+    }
+    links.insert(links.end(), chain_.links().begin(), chain_.links().end());
+    if (end) links.push_back({.of = "end", .step = step, .hash = *end});
+    processes_.on_root([&] {
+      record_result(directory_ / hashes_name);
+      write_hashes(links, directory_ / hashes_name);
+    });
   }
 
   std::filesystem::path directory_;
@@ -307,6 +362,7 @@ class RunInDirectory {
   RunPlan plan_;
   Simulation& simulation_;  ///< owned by setup_
   Run run_;
+  HashChain chain_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< clock of the newest checkpoint
   std::uint64_t saved_work_ = 0;   ///< work of the protocol at that checkpoint

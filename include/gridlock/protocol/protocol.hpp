@@ -81,6 +81,7 @@ struct StageResult {
   double disks = 0.0;
   std::uint64_t work = 0;                   ///< iterations, events or trial moves
   std::uint64_t pair_collisions = 0;        ///< pair collisions of moving hard disks
+  std::uint64_t state_hash = 0;             ///< of the disks at the end
   std::vector<PressureLevel> levels = {};   ///< soft disks: kept minima; the last is the end of the stage
   std::optional<double> softest_mode = {};  ///< ω² for unit masses at the end, in ε/D²
   std::optional<SwapResult> swap = {};

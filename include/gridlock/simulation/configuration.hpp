@@ -41,6 +41,7 @@ struct CheckpointSettings {
   double every_seconds = 60.0;    ///< real time; 0: never
   std::uint64_t every_steps = 0;  ///< checked after every chunk of steps; 0: never
   bool keep_last = true;          ///< whether a finished run keeps a checkpoint, from which it can be lengthened
+  std::uint64_t keep_states = 0;  ///< number of states along the run that are kept for `gridlock verify --windows`
 };
 void describe(CheckpointSettings& settings, SettingVisitor& visitor);
 

@@ -148,6 +148,10 @@ class Run {
 
   /// Returns whether only the sample at the end is left to do.
   [[nodiscard]] bool has_reached_end() const;
+  /// Returns the length of the run so far.
+  [[nodiscard]] Extent extent() const;
+  /// Returns the share of the run that has this length, from 0 to 1: the largest of those in steps, time and collisions.
+  [[nodiscard]] double fraction_of(Extent const& extent) const;
   /// Returns the share of the run that is done, from 0 to 1.
   [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
   /// Returns the series so far, as in record().
@@ -172,8 +176,6 @@ class Run {
 
  private:
   [[nodiscard]] std::uint64_t steps_done() const { return simulation_.clock().step - first_.step; }
-  [[nodiscard]] Extent extent() const;
-  [[nodiscard]] double fraction_of(Extent const& extent) const;
   void stop_here();
   void sample();
   void serialize_series(Archive& archive);

@@ -40,6 +40,7 @@ struct Preparation {
   std::uint64_t work = 0;    ///< a number that grows with the work done
   std::size_t stages = 0;    ///< number of stages of the protocol; 0 without a protocol
   std::size_t finished = 0;  ///< number of finished stages
+  std::vector<std::uint64_t> state_hashes = {};  ///< at the end of each finished stage
 };
 
 /// A run advances a simulation: agents of any model, the engine that moves them, and observables.

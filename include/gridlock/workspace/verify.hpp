@@ -1,0 +1,66 @@
+#pragma once
+
+/// \file
+/// Replays a run and compares the hashes and frames that it has recorded.
+///
+/// ```cpp
+/// Verification const found = verify_run("results/first", {.windows = 10, .seed = 7});
+/// std::string const sentence = to_text(found);
+/// bool const is_proved = found.difference.empty();
+/// ```
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridlock {
+
+/// The options of verify_run().
+struct VerifyOptions {
+  std::uint64_t windows = 0;  ///< number of windows to replay, chosen at random; 0: the whole run
+  std::uint64_t seed = 1;     ///< of the choice
+  std::optional<std::uint64_t> window_steps = {};  ///< at least; empty: each window ends at the next recorded hash
+  std::optional<std::uint64_t> threads = {};       ///< in place of engine.threads
+  std::function<void(double fraction)> on_progress = {};
+};
+
+/// The result of verify_run(): the parts of a run that were replayed, and the first difference.
+struct Verification {
+  std::filesystem::path directory;
+  std::string difference;           ///< where replay and record differ first; empty if they agree
+  bool is_finished = false;         ///< whether the run has reached its end
+  std::uint64_t windows = 0;        ///< windows that were replayed; 0: the whole run, as far as it is recorded
+  std::uint64_t first_step = 0;     ///< of the run
+  std::uint64_t last_step = 0;      ///< of the run, as far as it is recorded
+  std::uint64_t steps = 0;          ///< steps that were replayed
+  std::size_t hashes = 0;           ///< recorded hashes that agree
+  std::size_t frames = 0;           ///< frames of trajectory.h5 that agree, bit for bit
+  std::size_t states = 0;           ///< kept states that agree
+  std::string version;              ///< of this program
+  std::string target;               ///< instructions of the replay
+  std::string recorded_version;     ///< of the run; empty if it is not finished
+  std::string recorded_target = "";  ///< instructions of the run
+};
+
+/// Replays the run in a directory, or windows of it, and compares each recorded state hash, frame and kept state that
+/// it passes, bit for bit.
+///
+/// A run that is not finished is replayed up to its last recorded hash. A window begins at one of the states that
+/// checkpoint.keep_states has kept, whose hash is compared first. The tables and averages of the run are not computed
+/// again. Errors: Error for a directory without a run, a run that a process works on, one that has recorded no hashes
+/// or, for windows, kept no states, and one whose settings or start file were changed since, by name.
+/// Cost: that of the steps that are replayed.
+Verification verify_run(std::filesystem::path const& directory, VerifyOptions const& options = {});
+
+/// Returns the result as a sentence: which steps agree, with which instructions and version, or where they differ.
+std::string to_text(Verification const& found);
+
+/// Returns the directories of all runs in a directory and below it, sorted: of a sweep or a study those of its runs.
+/// Errors: Error if there is no such directory, or none of a run in it.
+std::vector<std::filesystem::path> runs_below(std::filesystem::path const& directory);
+
+}  // namespace gridlock

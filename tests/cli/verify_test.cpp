@@ -1,0 +1,190 @@
+// What a run has recorded is replayed and compared, and whatever was changed since is found and named.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "cli/program.hpp"
+#include "gridlock/core/target.hpp"
+#include "gridlock/io/h5md.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+char const* const with_states =
+    "disks = { count = 64, packing_fraction = 0.5 }\nrun.steps = 1000\nobserve.every = 20\n"
+    "checkpoint.keep_states = 4\ntrajectory.every = 250\n";
+
+/// Makes a run in "out" of the workplace, without output.
+void make_run(Workplace const& workplace, std::string const& settings, std::vector<std::string> const& words = {}) {
+  write(workplace / "a.toml", settings);
+  std::vector<std::string> all{"run", "a.toml", "-o", "out", "--no-pictures", "-q"};
+  all.insert(all.end(), words.begin(), words.end());
+  expect_good(in(workplace, all));
+}
+
+void expect_words(Outcome const& outcome, int exit_code, std::string const& words) {
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.out << outcome.err;
+  EXPECT_NE((outcome.out + outcome.err).find(words), std::string::npos) << words << "\n" << outcome.out << outcome.err;
+}
+
+void flip_bit(fs::path const& file, std::size_t place) {
+  std::string bytes = text_of(file);
+  ASSERT_LT(place, bytes.size());
+  bytes[place] = static_cast<char>(bytes[place] ^ 1);
+  write(file, bytes);
+}
+
+void replace(fs::path const& file, std::string const& old, std::string const& present) {
+  std::string text = text_of(file);
+  std::size_t const place = text.find(old);
+  ASSERT_NE(place, std::string::npos) << old;
+  write(file, text.replace(place, old.size(), present));
+}
+
+TEST(Verify, AcceptsARunOfEveryEngineAndModelAndProtocolWholeAndInWindows) {
+  for (std::string const kind :
+       {"engine.kind = \"stepped\"\ndisks.count = 36\n", "engine.kind = \"tiled\"\ndisks.count = 64\n",
+        "engine.kind = \"exact\"\ndisks.count = 36\n",
+        "engine.kind = \"soft\"\npotential.kind = \"harmonic\"\nbox.edge = \"periodic\"\ndisks.count = 36\n",
+        "engine.kind = \"exact\"\nengine.time_step = 0.01\nthermostat.kind = \"brownian\"\ndisks.count = 36\n",
+        "model.kind = \"flocking\"\nflocking.count = 50\n", "model.kind = \"epidemic\"\nepidemic.count = 50\nepidemic.turnover_rate = 0.1\n",
+        "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ kind = \"grow\", packing_fraction = 0.6 }]\nengine.kind = \"exact\"\n"}) {
+    Workplace const workplace;
+    make_run(workplace, kind + "run.steps = 450\nobserve.every = 50\ncheckpoint.keep_states = 3\ntrajectory.every = 200\n");
+    expect_words(in(workplace, {"verify", "out"}), 0, "verified: out: steps 0 to 450: ");
+    expect_words(in(workplace, {"verify", "out", "--windows", "2", "-j", "2"}), 0, "verified: out: 2 windows with ");
+  }
+}
+
+TEST(Verify, AcceptsARunOfOtherThreadsAndInstructions) {
+  Workplace const workplace;
+  setenv("GRIDLOCK_TARGET", "scalar", 1);
+  make_run(workplace, std::string(with_states) + "engine.kind = \"tiled\"\n", {"-j", "3"});
+  unsetenv("GRIDLOCK_TARGET");
+  Outcome const verified = in(workplace, {"verify", "out", "-j", "1"});
+  expect_words(verified, 0, "15 hashes, 4 kept states, 5 frames agree bit for bit");
+  expect_words(verified, 0, "with " + std::string(to_text(gridlock::target())) + " by gridlock ");
+  expect_words(verified, 0, "; recorded with scalar by ");
+}
+
+TEST(Verify, AcceptsAPackingStageByStage) {
+  Workplace const workplace;
+  make_run(workplace,
+           "disks = { count = 20, packing_fraction = 0.4, start = \"random\" }\nbox.edge = \"periodic\"\n"
+           "protocol = [{ kind = \"quench\", packing_fraction = 0.9 }, { kind = \"decompress\", until_pressure = 1e-3 }]\n");
+  expect_words(in(workplace, {"verify", "out"}), 0, "steps 0 to 0: 5 hashes agree");
+  expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 2, "has kept no states, so only the whole run");
+  replace(workplace / "out/config.resolved.toml", "packing_fraction = 0.9", "packing_fraction = 0.91");
+  expect_words(in(workplace, {"verify", "out"}), 2, "packing_fraction");
+}
+
+TEST(Verify, FindsAFlippedBitInTheChainInAKeptStateAndInAFrame) {
+  Workplace const workplace;
+  make_run(workplace, std::string(with_states) + "trajectory.compression = 0\n");
+  std::string const chain = text_of(workplace / "out/hashes.csv");
+  flip_bit(workplace / "out/hashes.csv", chain.find("\"run\",400,\"") + 12);
+  expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 1, "\"run\" of step 400, was changed since the run");
+  write(workplace / "out/hashes.csv", chain);
+
+  fs::path const state = workplace / "out/states/000000000400/checkpoint.gridlock";
+  ASSERT_TRUE(fs::exists(state));
+  std::string const bytes = text_of(state);
+  flip_bit(state, bytes.size() / 2);
+  for (std::vector<std::string> const& words : {std::vector<std::string>{"verify", "out"}, {"verify", "out", "--windows", "4"}}) {
+    expect_words(in(workplace, words), 1, "the kept state of step 400: ");
+  }
+  write(state, bytes);
+
+  fs::path const trajectory = workplace / "out/trajectory.h5";
+  gridlock::H5mdFrame const frame = gridlock::H5mdReader(trajectory).frame(2);
+  double const x = std::get<std::vector<double>>(frame.frame.find("x")->values)[7];
+  std::string const number(reinterpret_cast<char const*>(&x), sizeof x);
+  std::string const file = text_of(trajectory);
+  std::size_t const place = file.find(number);
+  if (place != std::string::npos) {
+    flip_bit(trajectory, place);
+  } else {  // bytes are shuffled
+    flip_bit(trajectory, file.size() / 2);
+  }
+  expect_words(in(workplace, {"verify", "out"}), 1, "of trajectory.h5, of step ");
+}
+
+TEST(Verify, RefusesChangedSettingsAnotherSeedAndAnEditedStartByName) {
+  Workplace const workplace;
+  make_run(workplace, with_states);
+  replace(workplace / "out/config.resolved.toml", "seed = 1\n", "seed = 2\n");
+  expect_words(in(workplace, {"verify", "out"}), 2, "config.resolved.toml was changed since the run: run.seed 1 → 2");
+  replace(workplace / "out/config.resolved.toml", "seed = 2\n", "seed = 1\n");
+  replace(workplace / "out/config.resolved.toml", "steps = 1000\n", "steps = 900\n");
+  expect_words(in(workplace, {"verify", "out"}), 2, "run.steps 1000 → 900");
+  make_run(workplace, "disks.file = \"out/final.xyz\"\nrun.steps = 100\n", {"-o", "onward"});
+  expect_words(in(workplace, {"verify", "onward"}), 0, "verified: onward: steps 1000 to 1100");
+  replace(workplace / "onward/start.xyz", "0.9", "0.8");
+  Outcome const refused = in(workplace, {"verify", "onward"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("start.xyz"), std::string::npos) << refused.err;
+}
+
+TEST(Verify, TakesARunThatWasKilledUpToItsLastHashAndContinuedToItsEnd) {
+  Workplace const workplace;
+  write(workplace / "a.toml", std::string(with_states) + "checkpoint.every_steps = 200\n");
+  std::string const long_run = "run.steps=100_000_000";
+  Process const process(GRIDLOCK_PROGRAM, {"run", "a.toml", "-o", "out", "--no-pictures", "-q", "--set", long_run},
+                        workplace.path());
+  wait_for(workplace / "out/checkpoint.previous.gridlock");
+  expect_words(in(workplace, {"verify", "out"}), 2, "a process works on the run in out");
+  process.signal(SIGKILL);
+  process.wait();
+  replace(workplace / "out/config.resolved.toml", "steps = 100000000\n", "steps = 99999999\n");
+  expect_words(in(workplace, {"verify", "out"}), 2, "run.steps 100000000 → 99999999");
+  replace(workplace / "out/config.resolved.toml", "steps = 99999999\n", "steps = 100000000\n");
+  expect_words(in(workplace, {"verify", "out"}), 0, ", as far as the unfinished run is recorded: ");
+}
+
+TEST(Verify, AcceptsARunThatWasKilledAndContinuedAndThenLengthened) {
+  Workplace const workplace;
+  write(workplace / "a.toml", std::string(with_states) + "checkpoint.every_steps = 200
+");
+  Process const process(GRIDLOCK_PROGRAM,
+                        {"run", "a.toml", "-o", "out", "--no-pictures", "-q", "--set", "run.steps=40_000"},
+                        workplace.path());
+  wait_for(workplace / "out/checkpoint.gridlock");
+  process.signal(SIGKILL);
+  process.wait();
+  expect_good(in(workplace, {"resume", "out", "--steps", "41000", "--no-pictures", "-q"}));
+  expect_words(in(workplace, {"verify", "out"}), 0, "verified: out: steps 0 to 41000: ");
+  expect_words(in(workplace, {"verify", "out", "--windows", "2", "--window-steps", "1000"}), 0,
+               "2 windows with ");
+}
+
+TEST(Verify, SaysOfASweepHowManyOfItsRunsAgree) {
+  Workplace const workplace;
+  write(workplace / "sweep.toml", "disks.count = 25\nrun.steps = 200\n[sweep]\nrun.seed = [1, 2, 3]\n");
+  expect_good(in(workplace, {"sweep", "sweep.toml", "-o", "out", "-q"}));
+  expect_words(in(workplace, {"verify", "out"}), 0, "3 of 3 runs verified; 0 differ, 0 cannot be verified");
+  fs::remove(workplace / "out/runs/seed=2/hashes.csv");
+  expect_words(in(workplace, {"verify", "out"}), 2, "2 of 3 runs verified; 0 differ, 1 cannot be verified");
+  replace(workplace / "out/runs/seed=3/hashes.csv", "\"end\"", "\"run\"");
+  expect_words(in(workplace, {"verify", "out"}), 1, "1 of 3 runs verified; 1 differ, 1 cannot be verified");
+}
+
+TEST(Verify, RefusesWhatIsNoRunAndADamagedChain) {
+  Workplace const workplace;
+  write(workplace / "a.txt", "no run");
+  fs::create_directory(workplace / "empty");
+  expect_words(in(workplace, {"verify", "missing"}), 2, "there is no directory missing");
+  expect_words(in(workplace, {"verify", "a.txt"}), 2, "a.txt is not a directory");
+  expect_words(in(workplace, {"verify", "empty"}), 2, "empty holds no run");
+  make_run(workplace, "disks.count = 36\nrun.steps = 100\n");
+  std::string const chain = text_of(workplace / "out/hashes.csv");
+  for (std::string const& damaged : {std::string(), std::string("of,step\n1,2\n"), chain.substr(0, chain.find('\n') + 1)}) {
+    write(workplace / "out/hashes.csv", damaged);
+    expect_words(in(workplace, {"verify", "out"}), 2, "hashes.csv");
+  }
+  fs::remove(workplace / "out/hashes.csv");
+  expect_words(in(workplace, {"verify", "out"}), 2, "has recorded no hashes");
+}
+
+}  // namespace
