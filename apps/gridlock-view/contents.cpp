@@ -28,6 +28,7 @@ std::vector<std::string> const& files_of_run() {
                                    "summary.json",
                                    "trajectory.h5",
                                    "series.csv",
+                                   "hashes.csv",
                                    "final.xyz",
                                    "start.xyz",
                                    "stages.csv",

@@ -10,9 +10,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "io/file.hpp"
+#include "io/playground_link.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -23,7 +27,21 @@ namespace {
 struct VerifyCommandOptions {
   std::string directory;
   gridlock::VerifyOptions verify;
+  bool links = false;
 };
+
+/// Prints the address at which the page makes the run again, which needs no program.
+void print_link(std::filesystem::path const& run) {
+  std::error_code ignored;
+  if (std::filesystem::exists(run / "start.xyz", ignored)) {
+    throw gridlock::Error(
+        {.what = fmt::format("the run in {} starts from a file, which a link cannot hold", run.string()),
+         .hint = "leave out --link",
+         .key = "--link"});
+  }
+  fmt::print("the page shows the same state hash at the end: {}\n",
+             gridlock::playground_link(gridlock::read_file(run / "config.resolved.toml")));
+}
 
 /// Verifies one run of several and prints a line on it. A run that cannot be verified does not keep the others from it.
 ExitCode verify_one(std::filesystem::path const& run, gridlock::VerifyOptions const& options) {
@@ -62,6 +80,7 @@ ExitCode verify(VerifyCommandOptions options) {
   gridlock::Verification const found = gridlock::verify_run(runs.front(), options.verify);
   line.reset();
   fmt::print("{}\n", gridlock::to_text(found));
+  if (options.links) print_link(runs.front());
   return found.difference.empty() ? ExitCode::good : ExitCode::run_failed;
 }
 
@@ -86,6 +105,8 @@ void add_verify(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("-j,--threads", options->verify.threads,
                    "Threads of exact, tiled, soft and models; 0: one for each core; left out: as configured")
       ->check(whole_number(0, 1024));
+  verb->add_flag("--link", options->links,
+                 "Print a link as well, with which the page in the browser makes the run again");
   verb->callback([options, &exit_code] { exit_code = verify(*options); });
 }
 

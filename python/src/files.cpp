@@ -95,7 +95,8 @@ NamedValues verify_directory(std::string const& directory, std::uint64_t windows
   {
     nb::gil_scoped_release const released;
     found = verify_run(
-        directory, {.windows = windows, .seed = seed, .window_steps = window_steps, .threads = threads, .on_progress = {}});
+        directory,
+        {.windows = windows, .seed = seed, .window_steps = window_steps, .threads = threads, .on_progress = {}});
   }
   NamedValues values;
   values["is_verified"] = found.difference.empty();

@@ -301,7 +301,8 @@ class DisksKind final : public ModelKind {
   static double bytes_per_disk(Configuration const& configuration) {
     EngineRecord const& engine = engine_record(configuration.engine.kind);
     CheckpointSettings const& checkpoint = configuration.checkpoint;
-    bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last;
+    bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last ||
+                                 checkpoint.keep_states > 0;
     bool const has_threads = threads_of(configuration, std::nullopt) > 1;
     ObserveSettings const& observe = configuration.observe;
     std::uint64_t const origins =

@@ -109,14 +109,16 @@ std::vector<HashLink> read_hashes(fs::path const& file) {
   return links;
 }
 
-std::size_t find_changed_line(fs::path const& file) {
+std::string find_changed_line(fs::path const& file) {
   Lines const lines = lines_of(file);
   std::string before;
   for (std::size_t k = 0; k < lines.of.size(); ++k) {
     before = hash_of_line(before, lines.of[k], lines.step[k], lines.hash[k]);
-    if (before != lines.chain[k]) return k + 2;  // the first line has the names
+    if (before == lines.chain[k]) continue;
+    constexpr std::size_t first_line = 2;  // behind the names
+    return fmt::format("line {}, \"{}\" of step {},", k + first_line, lines.of[k], lines.step[k]);
   }
-  return 0;
+  return "";
 }
 
 fs::path directory_of_state(fs::path const& run, std::uint64_t step) {

@@ -31,8 +31,8 @@ std::uint64_t hash_of_settings(std::string const& toml);
 void write_hashes(std::vector<HashLink> const& links, std::filesystem::path const& file);
 /// Reads the table of write_hashes(). Errors: Error for a file that is missing or no such table.
 std::vector<HashLink> read_hashes(std::filesystem::path const& file);
-/// Returns the number of the first line of the file that does not fit those before it, from 1; 0 if all fit.
-std::size_t find_changed_line(std::filesystem::path const& file);
+/// Returns the first line of the file that does not fit those before it, in words; empty if all fit.
+std::string find_changed_line(std::filesystem::path const& file);
 
 /// Returns the directory of the state that a run has kept at a step.
 std::filesystem::path directory_of_state(std::filesystem::path const& run, std::uint64_t step);
@@ -41,7 +41,7 @@ void remove_kept_states(std::filesystem::path const& run);
 
 /// Records state hashes during a run, at samples: at least 100 steps apart, and between 100 and 200 of them in a long
 /// run. They depend on the steps only, not on the length of the run or on interruptions. Cost: one pass over the agents
-/// a hash, below a thousandth of a run.
+/// a hash, at most 0.2 % of a run.
 ///
 /// States to be kept are recorded too. They are spread evenly along the run, at samples.
 class HashChain final : public Writer {

@@ -20,7 +20,8 @@ namespace gridlock {
 class Replay {
  public:
   /// Errors: Error for a trajectory.h5 that cannot be opened.
-  Replay(std::filesystem::path const& directory, Setup& setup, std::span<HashLink const> links, Verification& found);
+  Replay(std::filesystem::path const& directory, Setup const& setup, std::span<HashLink const> links,
+         Verification& found);
 
   /// Replays from the start to the last link.
   bool replay_all(std::function<void(double)> const& on_progress);
@@ -39,8 +40,9 @@ class Replay {
   bool differ(std::string difference);
 
   std::filesystem::path directory_;
-  Setup& setup_;
+  Setup const& setup_;
   Simulation& simulation_;
+  StopCondition end_;  ///< of the whole run
   std::span<HashLink const> links_;
   Verification& found_;
   std::optional<H5mdReader> trajectory_;

@@ -78,17 +78,26 @@ void require_verifiable(fs::path const& directory) {
   }
   std::error_code ignored;
   if (fs::exists(directory / hashes_name, ignored)) return;
-  throw Error({.what = fmt::format("the run in {} has recorded no hashes: there is no {}", directory.string(),
-                                   hashes_name),
-               .hint = "a run records them at its first checkpoint and at its end; earlier versions recorded none"});
+  throw Error(
+      {.what = fmt::format("the run in {} has recorded no hashes: there is no {}", directory.string(), hashes_name),
+       .hint = "a run records them at its first checkpoint and at its end; earlier versions recorded none"});
 }
 
-/// Returns `count` of the states that a later hash follows, chosen at random, in the order of their steps.
+/// Returns the states that the run has kept and nobody has removed.
+std::vector<HashLink> kept_states(std::vector<HashLink> const& links, fs::path const& directory) {
+  std::vector<HashLink> states;
+  std::ranges::copy_if(links, std::back_inserter(states), [&](HashLink const& link) {
+    std::error_code ignored;
+    return link.of == "state" && fs::exists(directory_of_state(directory, link.step), ignored);
+  });
+  return states;
+}
+
+/// Returns some of the states that a later hash follows, chosen at random, in the order of their steps.
 std::vector<HashLink> chosen_states(std::vector<HashLink> const& links, fs::path const& directory,
                                     VerifyOptions const& options) {
-  std::vector<HashLink> states;
-  std::ranges::copy_if(links, std::back_inserter(states),
-                       [&](HashLink const& link) { return link.of == "state" && link.step < links.back().step; });
+  std::vector<HashLink> states = kept_states(links, directory);
+  std::erase_if(states, [&](HashLink const& state) { return state.step >= links.back().step; });
   if (states.empty()) {
     throw Error({.what = fmt::format("the run in {} has kept no states, so only the whole run can be replayed",
                                      directory.string()),
@@ -112,8 +121,8 @@ void compare_summary(HashLink const& end, RunSummary const& summary, Verificatio
 void replay(Replay& again, std::vector<HashLink> const& links, Verification& found, VerifyOptions const& options) {
   if (options.windows == 0) {
     if (!again.replay_all(options.on_progress)) return;
-    for (HashLink const& link : links) {
-      if (link.of == "state" && !again.restore(link)) return;
+    for (HashLink const& state : kept_states(links, found.directory)) {
+      if (!again.restore(state)) return;
     }
     return;
   }
@@ -133,23 +142,20 @@ void replay(Replay& again, std::vector<HashLink> const& links, Verification& fou
 Verification verify_run(fs::path const& directory, VerifyOptions const& options) {
   require_verifiable(directory);
   Verification found{.directory = directory, .version = version(), .target = to_text(target())};
-  if (auto const summary = fs::exists(directory / summary_name) ? read_summary_json(directory / summary_name)
-                                                                : nlohmann::ordered_json();
-      summary.is_object()) {
-    found.recorded_version = summary.value("gridlock", "");
-    if (summary.contains("timing")) found.recorded_target = summary["timing"].value("target", "");
+  if (std::string const line = find_changed_line(directory / hashes_name); !line.empty()) {
+    found.difference = fmt::format("{} of {} was changed since the run", line, hashes_name);
+    return found;
   }
   std::vector<HashLink> const links = read_hashes(directory / hashes_name);
   found.first_step = links.front().step;
   found.last_step = links.back().step;
   found.is_finished = links.back().of == "end";
-  if (std::size_t const line = find_changed_line(directory / hashes_name); line > 0) {
-    HashLink const& link = links[line - 2];
-    found.difference = fmt::format("line {} of {}, \"{}\" of step {}, was changed since the run", line, hashes_name,
-                                   link.of, link.step);
-    return found;
+  if (auto const summary = read_summary(directory)) {
+    compare_summary(links.back(), *summary, found);
+    nlohmann::ordered_json const json = read_summary_json(directory / summary_name);
+    found.recorded_version = json.value("gridlock", "");
+    found.recorded_target = json.at("timing").value("target", "");
   }
-  if (auto const summary = read_summary(directory)) compare_summary(links.back(), *summary, found);
   if (!found.difference.empty()) return found;
   fs::path const file = directory / configuration_name;
   std::string const settings = read_file(file);
@@ -172,11 +178,11 @@ Verification verify_run(fs::path const& directory, VerifyOptions const& options)
 }
 
 std::string to_text(Verification const& found) {
-  std::string const with = fmt::format(
-      "with {} by gridlock {}{}", found.target, found.version,
-      found.recorded_version.empty()
-          ? ""
-          : fmt::format("; recorded with {} by {}", found.recorded_target, found.recorded_version));
+  std::string const with =
+      fmt::format("with {} by gridlock {}{}", found.target, found.version,
+                  found.recorded_version.empty()
+                      ? ""
+                      : fmt::format("; recorded with {} by {}", found.recorded_target, found.recorded_version));
   std::string const directory = found.directory.string();
   if (!found.difference.empty()) return fmt::format("differs: {}: {} ({})", directory, found.difference, with);
   auto const count = [](std::size_t number, char const* noun) {
@@ -185,12 +191,11 @@ std::string to_text(Verification const& found) {
   std::string agree = found.hashes == 1 ? "1 hash" : fmt::format("{} hashes", found.hashes);
   if (found.states > 0) agree += ", " + count(found.states, "kept state");
   if (found.frames > 0) agree += ", " + count(found.frames, "frame");
-  std::string const what =
-      found.windows > 0
-          ? fmt::format("{} with {} of its {} steps", count(found.windows, "window"), found.steps,
-                        found.last_step - found.first_step)
-          : fmt::format("steps {} to {}{}", found.first_step, found.last_step,
-                        found.is_finished ? "" : ", as far as the unfinished run is recorded");
+  std::string const what = found.windows > 0
+                               ? fmt::format("{} with {} of its {} steps", count(found.windows, "window"), found.steps,
+                                             found.last_step - found.first_step)
+                               : fmt::format("steps {} to {}{}", found.first_step, found.last_step,
+                                             found.is_finished ? "" : ", as far as the unfinished run is recorded");
   return fmt::format("verified: {}: {}: {} agree bit for bit, {}", directory, what, agree, with);
 }
 
@@ -204,8 +209,8 @@ std::vector<fs::path> runs_below(fs::path const& directory) {
                                 : fmt::format("there is no directory {}", directory.string()),
                  .hint = "name the directory of a run, of a sweep or of several runs"});
   }
-  for (fs::recursive_directory_iterator entry(directory, error);
-       !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+  for (fs::recursive_directory_iterator entry(directory, error); !error && entry != fs::recursive_directory_iterator();
+       entry.increment(error)) {
     if (entry->path().filename() == configuration_name) runs.push_back(entry->path().parent_path());
   }
   if (runs.empty()) require_run(directory);

@@ -1,6 +1,10 @@
 // What a run has recorded is replayed and compared, and whatever was changed since is found and named.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -19,8 +23,9 @@ char const* const with_states =
 /// Makes a run in "out" of the workplace, without output.
 void make_run(Workplace const& workplace, std::string const& settings, std::vector<std::string> const& words = {}) {
   write(workplace / "a.toml", settings);
-  std::vector<std::string> all{"run", "a.toml", "-o", "out", "--no-pictures", "-q"};
+  std::vector<std::string> all{"run", "a.toml", "--no-pictures", "-q"};
   all.insert(all.end(), words.begin(), words.end());
+  if (std::find(words.begin(), words.end(), "-o") == words.end()) all.insert(all.end(), {"-o", "out"});
   expect_good(in(workplace, all));
 }
 
@@ -49,10 +54,13 @@ TEST(Verify, AcceptsARunOfEveryEngineAndModelAndProtocolWholeAndInWindows) {
         "engine.kind = \"exact\"\ndisks.count = 36\n",
         "engine.kind = \"soft\"\npotential.kind = \"harmonic\"\nbox.edge = \"periodic\"\ndisks.count = 36\n",
         "engine.kind = \"exact\"\nengine.time_step = 0.01\nthermostat.kind = \"brownian\"\ndisks.count = 36\n",
-        "model.kind = \"flocking\"\nflocking.count = 50\n", "model.kind = \"epidemic\"\nepidemic.count = 50\nepidemic.turnover_rate = 0.1\n",
-        "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ kind = \"grow\", packing_fraction = 0.6 }]\nengine.kind = \"exact\"\n"}) {
+        "model.kind = \"flocking\"\nflocking.count = 50\n",
+        "model.kind = \"epidemic\"\nepidemic.count = 50\nepidemic.turnover_rate = 0.1\n",
+        "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ stage = \"grow\", until_packing_fraction = 0.6 "
+        "}]\nengine.kind = \"exact\"\n"}) {
     Workplace const workplace;
-    make_run(workplace, kind + "run.steps = 450\nobserve.every = 50\ncheckpoint.keep_states = 3\ntrajectory.every = 200\n");
+    make_run(workplace,
+             kind + "run.steps = 450\nobserve.every = 50\ncheckpoint.keep_states = 3\ntrajectory.every = 200\n");
     expect_words(in(workplace, {"verify", "out"}), 0, "verified: out: steps 0 to 450: ");
     expect_words(in(workplace, {"verify", "out", "--windows", "2", "-j", "2"}), 0, "verified: out: 2 windows with ");
   }
@@ -64,7 +72,7 @@ TEST(Verify, AcceptsARunOfOtherThreadsAndInstructions) {
   make_run(workplace, std::string(with_states) + "engine.kind = \"tiled\"\n", {"-j", "3"});
   unsetenv("GRIDLOCK_TARGET");
   Outcome const verified = in(workplace, {"verify", "out", "-j", "1"});
-  expect_words(verified, 0, "15 hashes, 4 kept states, 5 frames agree bit for bit");
+  expect_words(verified, 0, "12 hashes, 4 kept states, 5 frames agree bit for bit");
   expect_words(verified, 0, "with " + std::string(to_text(gridlock::target())) + " by gridlock ");
   expect_words(verified, 0, "; recorded with scalar by ");
 }
@@ -73,7 +81,8 @@ TEST(Verify, AcceptsAPackingStageByStage) {
   Workplace const workplace;
   make_run(workplace,
            "disks = { count = 20, packing_fraction = 0.4, start = \"random\" }\nbox.edge = \"periodic\"\n"
-           "protocol = [{ kind = \"quench\", packing_fraction = 0.9 }, { kind = \"decompress\", until_pressure = 1e-3 }]\n");
+           "protocol = [{ stage = \"quench\", packing_fraction = 0.9 }, { stage = \"decompress\", until_pressure = "
+           "1e-3 }]\n");
   expect_words(in(workplace, {"verify", "out"}), 0, "steps 0 to 0: 5 hashes agree");
   expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 2, "has kept no states, so only the whole run");
   replace(workplace / "out/config.resolved.toml", "packing_fraction = 0.9", "packing_fraction = 0.91");
@@ -84,15 +93,17 @@ TEST(Verify, FindsAFlippedBitInTheChainInAKeptStateAndInAFrame) {
   Workplace const workplace;
   make_run(workplace, std::string(with_states) + "trajectory.compression = 0\n");
   std::string const chain = text_of(workplace / "out/hashes.csv");
-  flip_bit(workplace / "out/hashes.csv", chain.find("\"run\",400,\"") + 12);
-  expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 1, "\"run\" of step 400, was changed since the run");
+  flip_bit(workplace / "out/hashes.csv", chain.find("\"run\",300,\"") + 11);
+  expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 1,
+               "\"run\" of step 300, of hashes.csv was changed since the run");
   write(workplace / "out/hashes.csv", chain);
 
   fs::path const state = workplace / "out/states/000000000400/checkpoint.gridlock";
   ASSERT_TRUE(fs::exists(state));
   std::string const bytes = text_of(state);
   flip_bit(state, bytes.size() / 2);
-  for (std::vector<std::string> const& words : {std::vector<std::string>{"verify", "out"}, {"verify", "out", "--windows", "4"}}) {
+  for (std::vector<std::string> const& words :
+       {std::vector<std::string>{"verify", "out"}, {"verify", "out", "--windows", "4"}}) {
     expect_words(in(workplace, words), 1, "the kept state of step 400: ");
   }
   write(state, bytes);
@@ -145,8 +156,7 @@ TEST(Verify, TakesARunThatWasKilledUpToItsLastHashAndContinuedToItsEnd) {
 
 TEST(Verify, AcceptsARunThatWasKilledAndContinuedAndThenLengthened) {
   Workplace const workplace;
-  write(workplace / "a.toml", std::string(with_states) + "checkpoint.every_steps = 200
-");
+  write(workplace / "a.toml", std::string(with_states) + "checkpoint.every_steps = 200\n");
   Process const process(GRIDLOCK_PROGRAM,
                         {"run", "a.toml", "-o", "out", "--no-pictures", "-q", "--set", "run.steps=40_000"},
                         workplace.path());
@@ -155,8 +165,7 @@ TEST(Verify, AcceptsARunThatWasKilledAndContinuedAndThenLengthened) {
   process.wait();
   expect_good(in(workplace, {"resume", "out", "--steps", "41000", "--no-pictures", "-q"}));
   expect_words(in(workplace, {"verify", "out"}), 0, "verified: out: steps 0 to 41000: ");
-  expect_words(in(workplace, {"verify", "out", "--windows", "2", "--window-steps", "1000"}), 0,
-               "2 windows with ");
+  expect_words(in(workplace, {"verify", "out", "--windows", "2", "--window-steps", "1000"}), 0, "2 windows with ");
 }
 
 TEST(Verify, SaysOfASweepHowManyOfItsRunsAgree) {
@@ -170,6 +179,26 @@ TEST(Verify, SaysOfASweepHowManyOfItsRunsAgree) {
   expect_words(in(workplace, {"verify", "out"}), 1, "1 of 3 runs verified; 1 differ, 1 cannot be verified");
 }
 
+TEST(Verify, OfALongRunComparesNoMoreThan200HashesAlongItWhichAreEvenlySpread) {
+  Workplace const workplace;
+  make_run(workplace, "disks.count = 4\nrun.steps = 45_000\n");
+  std::vector<std::uint64_t> steps;
+  std::istringstream lines(text_of(workplace / "out/hashes.csv"));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("\"run\",")) steps.push_back(std::stoull(line.substr(6)));
+  }
+  // Every hundredth step at first, then every second of them, and every second again.
+  ASSERT_EQ(steps.size(), 112U);
+  for (std::size_t k = 0; k < steps.size(); ++k) EXPECT_EQ(steps[k], 400 * (k + 1));
+  expect_words(in(workplace, {"verify", "out"}), 0, "steps 0 to 45000: 114 hashes agree");
+}
+
+TEST(Verify, GivesALinkWithWhichThePageMakesTheRun) {
+  Workplace const workplace;
+  make_run(workplace, "disks.count = 4\nrun.steps = 100\n");
+  expect_words(in(workplace, {"verify", "out", "--link"}), 0, ": playground.html#toml=");
+}
+
 TEST(Verify, RefusesWhatIsNoRunAndADamagedChain) {
   Workplace const workplace;
   write(workplace / "a.txt", "no run");
@@ -179,7 +208,8 @@ TEST(Verify, RefusesWhatIsNoRunAndADamagedChain) {
   expect_words(in(workplace, {"verify", "empty"}), 2, "empty holds no run");
   make_run(workplace, "disks.count = 36\nrun.steps = 100\n");
   std::string const chain = text_of(workplace / "out/hashes.csv");
-  for (std::string const& damaged : {std::string(), std::string("of,step\n1,2\n"), chain.substr(0, chain.find('\n') + 1)}) {
+  for (std::string const& damaged :
+       {std::string(), std::string("of,step\n1,2\n"), chain.substr(0, chain.find('\n') + 1)}) {
     write(workplace / "out/hashes.csv", damaged);
     expect_words(in(workplace, {"verify", "out"}), 2, "hashes.csv");
   }

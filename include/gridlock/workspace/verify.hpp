@@ -21,8 +21,8 @@ namespace gridlock {
 
 /// The options of verify_run().
 struct VerifyOptions {
-  std::uint64_t windows = 0;  ///< number of windows to replay, chosen at random; 0: the whole run
-  std::uint64_t seed = 1;     ///< of the choice
+  std::uint64_t windows = 0;                       ///< number of windows to replay, chosen at random; 0: the whole run
+  std::uint64_t seed = 1;                          ///< of the choice
   std::optional<std::uint64_t> window_steps = {};  ///< at least; empty: each window ends at the next recorded hash
   std::optional<std::uint64_t> threads = {};       ///< in place of engine.threads
   std::function<void(double fraction)> on_progress = {};
@@ -31,18 +31,18 @@ struct VerifyOptions {
 /// The result of verify_run(): the parts of a run that were replayed, and the first difference.
 struct Verification {
   std::filesystem::path directory;
-  std::string difference;           ///< where replay and record differ first; empty if they agree
-  bool is_finished = false;         ///< whether the run has reached its end
-  std::uint64_t windows = 0;        ///< windows that were replayed; 0: the whole run, as far as it is recorded
-  std::uint64_t first_step = 0;     ///< of the run
-  std::uint64_t last_step = 0;      ///< of the run, as far as it is recorded
-  std::uint64_t steps = 0;          ///< steps that were replayed
-  std::size_t hashes = 0;           ///< recorded hashes that agree
-  std::size_t frames = 0;           ///< frames of trajectory.h5 that agree, bit for bit
-  std::size_t states = 0;           ///< kept states that agree
-  std::string version;              ///< of this program
-  std::string target;               ///< instructions of the replay
-  std::string recorded_version;     ///< of the run; empty if it is not finished
+  std::string difference;            ///< where replay and record differ first; empty if they agree
+  bool is_finished = false;          ///< whether the run has reached its end
+  std::uint64_t windows = 0;         ///< windows that were replayed; 0: the whole run, as far as it is recorded
+  std::uint64_t first_step = 0;      ///< of the run
+  std::uint64_t last_step = 0;       ///< of the run, as far as it is recorded
+  std::uint64_t steps = 0;           ///< steps that were replayed
+  std::size_t hashes = 0;            ///< recorded hashes that agree
+  std::size_t frames = 0;            ///< frames of trajectory.h5 that agree, bit for bit
+  std::size_t states = 0;            ///< kept states that agree
+  std::string version;               ///< of this program
+  std::string target;                ///< instructions of the replay
+  std::string recorded_version;      ///< of the run; empty if it is not finished
   std::string recorded_target = "";  ///< instructions of the run
 };
 
