@@ -429,11 +429,6 @@ std::optional<Restored> restore_checkpoint(fs::path const& directory, SerializeA
   return std::nullopt;
 }
 
-std::string text_in_checkpoint(fs::path const& file, std::string const& member) {
-  checkpoint::File const checkpoint(checkpoint::bytes_of_file(file));
-  return checkpoint.text(checkpoint.at(member, FileKind::text));
-}
-
 bool has_checkpoint(fs::path const& directory) {
   return is_name_taken(directory / newest_name) || is_name_taken(directory / previous_name);
 }

@@ -110,9 +110,6 @@ std::optional<Restored> restore_checkpoint_of_all(std::filesystem::path const& d
 /// nothing if a checkpoint is damaged and its list of parts unknown.
 void remove_unneeded_parts(std::filesystem::path const& directory);
 
-/// Returns the text of a member of a checkpoint file, without the rest. Errors: Error for a damaged file, or without it.
-std::string text_in_checkpoint(std::filesystem::path const& file, std::string const& member);
-
 /// Returns whether a directory has a checkpoint, newest or previous.
 bool has_checkpoint(std::filesystem::path const& directory);
 

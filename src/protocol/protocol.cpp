@@ -202,6 +202,12 @@ std::uint64_t Protocol::work() const {
   return sum;
 }
 
+std::vector<std::uint64_t> Protocol::state_hashes() const {
+  std::vector<std::uint64_t> hashes;
+  for (StageResult const& result : results_) hashes.push_back(result.state_hash);
+  return hashes;
+}
+
 void Protocol::serialize(Archive& archive, State const& state) {
   std::uint64_t ended = results_.size();
   archive.visit("stages_ended", ended);

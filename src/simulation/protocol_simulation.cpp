@@ -1,7 +1,6 @@
 #include "simulation/protocol_simulation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -407,14 +406,12 @@ void ProtocolSimulation::begin_simulation() {
 }
 
 Preparation ProtocolSimulation::preparation() const {
-  std::vector<std::uint64_t> state_hashes;
-  for (StageResult const& stage : protocol_.results()) state_hashes.push_back(stage.state_hash);
   return {.fraction = static_cast<double>(protocol_.stage()) / static_cast<double>(protocol_.stages()),
           .what = protocol_.name_of_stage(),
           .work = protocol_.work(),
           .stages = protocol_.stages(),
           .finished = protocol_.stage(),
-          .state_hashes = std::move(state_hashes)};
+          .state_hashes = protocol_.state_hashes()};
 }
 
 std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_.results(), state_.box.is_periodic()); }

@@ -180,7 +180,10 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_chain(status == RunStatus::finished ? std::optional(record.state_hash) : std::nullopt);
+      // An interrupted run has just been saved with its chain.
+      if (status != RunStatus::interrupted) {
+        write_chain(status == RunStatus::finished ? std::optional(record.state_hash) : std::nullopt);
+      }
       simulation_.give_frame([&](FrameSource const& frame) {
         write_run_results(directory_, versions_, setup_.configuration, start_hash_, record, frame,
                           processes_.communicator().traffic_of_ranks());
@@ -284,7 +287,7 @@ class RunInDirectory {
     std::uint64_t const work = simulation_.preparation().work;
     if (saved_at_ == clock && saved_work_ == work) return;
     attempt_to_save([&] {
-      write_chain();
+      if (!run_.has_reached_end()) write_chain();
       write_checkpoint_of_all(
           directory_, [&](Archive& archive) { serialize(archive); }, processes_);
       saved_at_ = clock;

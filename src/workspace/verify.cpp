@@ -12,7 +12,7 @@
 #include "gridlock/core/version.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "gridlock/workspace/run_directory.hpp"
-#include "io/checkpoint.hpp"
+#include "io/checkpoint_file.hpp"
 #include "io/file.hpp"
 #include "simulation/settings_difference.hpp"
 #include "workspace/continued_run.hpp"
@@ -26,6 +26,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string configuration_in(fs::path const& file) {
+  checkpoint::File const saved(checkpoint::bytes_of_file(file));
+  return saved.text(saved.at("configuration", checkpoint::File::Kind::text));
+}
+
 /// Returns what differs between the settings of the run, of which its other files have copies, and config.resolved.toml
 /// now: "run.seed 1 → 2"; empty if no copy differs.
 std::string changed_setting(fs::path const& directory, std::string const& now) {
@@ -37,7 +42,7 @@ std::string changed_setting(fs::path const& directory, std::string const& now) {
     checkpoints.push_back(state->path() / "checkpoint.gridlock");
   }
   for (fs::path const& file : checkpoints) {
-    copies.emplace_back([file] { return text_in_checkpoint(file, "configuration"); });
+    copies.emplace_back([file] { return configuration_in(file); });
   }
   copies.emplace_back([&] { return H5mdReader(directory / "trajectory.h5").settings().configuration; });
   for (auto const& copy : copies) {

@@ -112,6 +112,8 @@ class Protocol {
   [[nodiscard]] std::uint64_t work() const;
   /// Returns the results of the stages that have ended.
   [[nodiscard]] std::vector<StageResult> const& results() const { return results_; }
+  /// Returns the state hash at the end of each of them.
+  [[nodiscard]] std::vector<std::uint64_t> state_hashes() const;
   /// Returns what the present stage has measured if it is a shear; nothing for another kind, and after the last stage.
   [[nodiscard]] std::optional<ShearResult> shear_so_far() const;
 

@@ -150,7 +150,7 @@ class Run {
   [[nodiscard]] bool has_reached_end() const;
   /// Returns the length of the run so far.
   [[nodiscard]] Extent extent() const;
-  /// Returns the share of the run that has this length, from 0 to 1: the largest of those in steps, time and collisions.
+  /// Returns the share of a length in that of the run, from 0 to 1: the largest of steps, time and collisions.
   [[nodiscard]] double fraction_of(Extent const& extent) const;
   /// Returns the share of the run that is done, from 0 to 1.
   [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
