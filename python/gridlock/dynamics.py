@@ -1,14 +1,18 @@
-"""How agents move: displacements, F_s(q, t), overlap and α₂ of a trajectory, and the diffusion coefficient."""
+"""How agents move: displacements, F_s(q, t), overlap, χ₄ and α₂ of a trajectory, also relative to neighbours, and the diffusion
+coefficient."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from . import _core
 from .arrays import as_count, as_kinds, as_number, as_numbers, named_in_short
+from .box import BoxLike, BoxValues, as_box
 from .errors import Error
+from .neighbors import Neighbors, as_neighbors
 from .settings import as_threads
 from .simulation import Result
 
@@ -32,10 +36,15 @@ class Dynamics(NamedTuple):
     overlap: NDArray[np.float64] | None  #: share of agents that moved no further than the overlap length, where it was given
     overlap_error: NDArray[np.float64] | None
 
-    def __repr__(self) -> str:
-        return named_in_short(self)
     origins: NDArray[np.uint64]  #: pairs of frames with this lag, shape (L,)
     independent_origins: NDArray[np.uint64]  #: those of them whose intervals do not overlap, shape (L,)
+    susceptibility: NDArray[np.float64] | None  #: χ₄ = N var(Q) over time origins, Q the overlap and N the agents of the kind
+    susceptibility_error: NDArray[np.float64] | None
+    total_susceptibility: NDArray[np.float64] | None  #: χ₄ of all kinds together; always shape (L,)
+    total_susceptibility_error: NDArray[np.float64] | None
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
 
 def as_trajectory(positions: ArrayLike) -> NDArray[np.float64]:
@@ -52,12 +61,18 @@ def dynamics(
     overlap_length: float | None = None,
     lags: int | None = None,
     drift: bool = True,
+    neighbors: float | str | Sequence[Neighbors] | None = None,
+    box: BoxLike = None,
     threads: int = 1,
 ) -> Dynamics:
-    """Mean squared displacement, α₂, F_s(q, t) and overlap, by one walk over all pairs of frames.
+    """Mean squared displacement, α₂, F_s(q, t), overlap and its susceptibility χ₄, by one walk over all pairs of frames.
 
     Δr = r(t₀ + t) − r(t₀); msd = ⟨Δr²⟩, α₂ = ⟨Δr⁴⟩ / (2 ⟨Δr²⟩²) − 1 (0 for Gaussian displacements in two dimensions),
-    F_s(q, t) = ⟨J₀(q |Δr|)⟩ (averaged over all directions of q), overlap = share of agents with |Δr| ≤ overlap_length.
+    F_s(q, t) = ⟨J₀(q |Δr|)⟩ (averaged over all directions of q), overlap = ⟨Q⟩ with Q the share of agents with
+    |Δr| ≤ overlap_length, χ₄ = N var(Q) over time origins.
+
+    With ``neighbors``, all of this is measured for displacements relative to the cage: Δr of an agent less the mean Δr of those that
+    are its neighbours at the origin t₀. This takes out motion that neighbours share, such as the long waves of two dimensions.
 
     :param positions: unwrapped, shape (frames, N, 2); ``Trajectory.positions()`` gives them.
     :param times: of the frames, ascending, shape (frames,); the numbers of the frames where left out. They may be even in time,
@@ -69,16 +84,22 @@ def dynamics(
     :param lags: so many lags at most, evenly in their logarithm; all where left out.
     :param drift: False takes out the motion of the mean of all positions, which is that of the centre of mass only where all masses
         are equal.
+    :param neighbors: a cutoff, all nearer agents being neighbours; "voronoi"; or one :class:`Neighbors` for each frame. An agent
+        without neighbours keeps its displacement.
+    :param box: that of all frames, where neighbours are searched.
     :param threads: 0 for all cores. The result does not depend on it.
     :returns: :class:`Dynamics`.
-    :raises Error: for fewer than two frames, times that do not ascend, positions that are not finite, and more than 8192 frames
-        that are not even in time.
+    :raises Error: for fewer than two frames, times that do not ascend, positions that are not finite, more than 8192 frames
+        that are not even in time, and neighbours that cannot be searched.
 
-    Errors know nothing of what changes more slowly than the trajectory: combine runs of several seeds (:func:`combine`).
+    Errors know nothing of what changes more slowly than the trajectory: combine runs of several seeds (:func:`combine`). χ₄ is not a
+    number where all intervals of a lag overlap. At constant energy or composition it is smaller than where they fluctuate.
 
-    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns. Source: A. Rahman (1964),
-    doi:10.1103/PhysRev.136.A405; W. Kob, H. C. Andersen (1995), doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003),
-    doi:10.1063/1.1605094.
+    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns; relative to six neighbours COST ns more,
+    and the search. Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405; W. Kob, H. C. Andersen (1995),
+    doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003), doi:10.1063/1.1605094 (overlap, χ₄); L. Berthier et al. (2007),
+    doi:10.1063/1.2721554 (χ₄ and what is constant); S. Mazoyer et al. (2009), doi:10.1209/0295-5075/88/66004, and S. Vivek et al.
+    (2017), doi:10.1073/pnas.1607226113 (relative to the cage).
 
     >>> walk = np.random.default_rng(1).normal(size=(200, 100, 2)).cumsum(axis=0)
     >>> found = dynamics(walk, lags=3, q=0.5)
@@ -86,6 +107,13 @@ def dynamics(
     array([  1.,  14., 199.])
     >>> bool(abs(found.msd[0] - 2) < 5 * found.msd_error[0]), bool(abs(found.scattering[0] - np.exp(-0.125)) < 0.01)
     (True, True)
+
+    A crystal that moves as a whole, seen from its cages:
+
+    >>> crystal = np.stack(np.meshgrid(np.arange(5.0), np.arange(5.0)), axis=-1).reshape(-1, 2)
+    >>> moving = crystal + np.array([0.0, 0.3, 1.7])[:, None, None]
+    >>> dynamics(moving, neighbors=1.2, box=5.0).msd.round(12)
+    array([0., 0.])
     """
     array = as_trajectory(positions)
     frames, count, _ = array.shape
@@ -97,14 +125,36 @@ def dynamics(
         0.0 if q is None else as_number(q, "q"),
         0.0 if overlap_length is None else as_number(overlap_length, "overlap_length"),
         0 if lags is None else as_count(lags, "lags"),
-        bool(drift), as_threads(threads))
+        bool(drift), as_threads(threads), _surroundings(neighbors, box, frames, count))
     curves: dict[str, NDArray[np.float64] | None] = {}
-    for name in ("msd", "non_gaussian", "scattering", "overlap"):
+    for name in ("msd", "non_gaussian", "scattering", "overlap", "susceptibility", "total_susceptibility"):
         value, error = (None, None) if found[name] is None else found[name]
-        curves[name] = value[0] if value is not None and labels is None else value
-        curves[name + "_error"] = error[0] if error is not None and labels is None else error
+        is_alone = labels is None or name == "total_susceptibility"
+        curves[name] = value[0] if value is not None and is_alone else value
+        curves[name + "_error"] = error[0] if error is not None and is_alone else error
     return Dynamics(lag=found["lag"], origins=found["origins"], independent_origins=found["independent_origins"],
                     **curves)  # type: ignore[arg-type]
+
+
+def _surroundings(
+    neighbors: float | str | Sequence[Neighbors] | None, box: BoxLike, frames: int, count: int
+) -> tuple[float, BoxValues | None, list[Neighbors]] | None:
+    """The cutoff, 0 for Voronoi neighbours; the box; and the neighbours of each frame where they are given."""
+    hint = 'give a cutoff with the box, "voronoi" with the box, or one Neighbors for each frame'
+    if neighbors is None:
+        if box is not None:
+            raise Error(f"there is a box, and no neighbours are searched\n  hint: {hint}")
+        return None
+    sides = as_box(box)
+    if isinstance(neighbors, str):
+        if neighbors != "voronoi" or sides is None:
+            raise Error(f"the neighbours are {neighbors!r}, the box is {box!r}\n  hint: {hint}")
+        return 0.0, sides, []
+    if not isinstance(neighbors, Sequence):
+        return as_number(neighbors, "the cutoff of the neighbours", hint), sides, []
+    if len(neighbors) != frames:
+        raise Error(f"there are neighbours of {len(neighbors)} frames, but {frames} frames\n  hint: {hint}")
+    return 0.0, None, [as_neighbors(found, count) for found in neighbors]
 
 
 def diffusion_coefficient(

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -30,14 +31,15 @@ std::span<std::uint32_t const> span_of(std::optional<Kinds> const& kinds) {
 }
 
 /// Returns a curve of all kinds as two arrays of shape (kinds, lags): values, and errors or NaN.
-nb::object arrays_of(Dynamics const& dynamics, std::vector<Estimate> DynamicsOfKind::*curve) {
-  std::size_t const kinds = dynamics.kinds.size();
-  std::size_t const lags = (dynamics.kinds.front().*curve).size();
+template <class Curves, class Of>
+nb::object arrays_of(Curves const& of_kinds, std::vector<Estimate> Of::*curve) {
+  std::size_t const kinds = of_kinds.size();
+  std::size_t const lags = (of_kinds.front().*curve).size();
   if (lags == 0) return nb::none();
   std::vector<double> values;
   std::vector<double> errors;
-  for (DynamicsOfKind const& kind : dynamics.kinds) {
-    for (Estimate const& estimate : kind.*curve) {
+  for (Of const& of_kind : of_kinds) {
+    for (Estimate const& estimate : of_kind.*curve) {
       values.push_back(estimate.value);
       errors.push_back(estimate.error.value_or(no_value));
     }
@@ -45,28 +47,56 @@ nb::object arrays_of(Dynamics const& dynamics, std::vector<Estimate> DynamicsOfK
   return nb::make_tuple(owned_array(std::move(values), {kinds, lags}), owned_array(std::move(errors), {kinds, lags}));
 }
 
+using Begins = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+/// The neighbours that displacements are relative to: those within a cutoff, Voronoi neighbours where the cutoff is 0,
+/// or lists of every frame.
+using Surroundings = std::tuple<double, std::optional<BoxValues>, std::vector<std::pair<Begins, Kinds>>>;
+
+/// Returns the neighbours of all agents in a frame.
+std::function<NeighbourLists(std::size_t)> finder(Surroundings const& surroundings, Frames const& positions,
+                                                  std::uint64_t threads) {
+  return [&, threads](std::size_t frame) -> NeighbourLists {
+    auto const& [cutoff, sides, lists] = surroundings;
+    if (!lists.empty()) {
+      auto const& [begin, neighbours] = lists[frame];
+      return {.begin = {begin.data(), begin.data() + begin.shape(0)},
+              .neighbours = {neighbours.data(), neighbours.data() + neighbours.shape(0)}};
+    }
+    std::size_t const agents = positions.shape(1);
+    double const* const first = positions.data() + 2 * frame * agents;
+    PointsInMemory const points{.x = first, .y = first + 1, .count = agents, .stride = 2};
+    if (!sides) return find_neighbour_lists(cutoff, points, threads);
+    if (cutoff > 0.0) return find_neighbour_lists(box_of(*sides), cutoff, points, threads);
+    return find_voronoi_cells(box_of(*sides), points, threads).neighbours;
+  };
+}
+
 NamedValues dynamics(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
                      double wave_number, double overlap_length, std::size_t max_lags, bool keeps_drift,
-                     std::uint64_t threads) {
+                     std::uint64_t threads, std::optional<Surroundings> const& surroundings) {
   Dynamics found;
   {
     nb::gil_scoped_release const released;
+    DynamicsSettings settings{.wave_number = wave_number,
+                              .overlap_length = overlap_length,
+                              .max_lags = max_lags,
+                              .keeps_drift = keeps_drift,
+                              .threads = threads};
+    if (surroundings) settings.neighbours = finder(*surroundings, positions, threads);
     found = find_dynamics({.positions = positions.data(),
                            .frames = positions.shape(0),
                            .agents = positions.shape(1),
                            .times = std::span(times.data(), times.shape(0)),
                            .kinds = span_of(kinds)},
-                          {.wave_number = wave_number,
-                           .overlap_length = overlap_length,
-                           .max_lags = max_lags,
-                           .keeps_drift = keeps_drift,
-                           .threads = threads});
+                          settings);
   }
   NamedValues result;
-  result["msd"] = arrays_of(found, &DynamicsOfKind::squared_displacement);
-  result["non_gaussian"] = arrays_of(found, &DynamicsOfKind::non_gaussian);
-  result["scattering"] = arrays_of(found, &DynamicsOfKind::scattering);
-  result["overlap"] = arrays_of(found, &DynamicsOfKind::overlap);
+  result["msd"] = arrays_of(found.kinds, &DynamicsOfKind::squared_displacement);
+  result["non_gaussian"] = arrays_of(found.kinds, &DynamicsOfKind::non_gaussian);
+  result["scattering"] = arrays_of(found.kinds, &DynamicsOfKind::scattering);
+  result["overlap"] = arrays_of(found.kinds, &DynamicsOfKind::overlap);
+  result["susceptibility"] = arrays_of(found.kinds, &DynamicsOfKind::susceptibility);
+  result["total_susceptibility"] = arrays_of(std::span(&found, 1), &Dynamics::susceptibility);
   result["lag"] = owned_array(std::move(found.lag));
   result["origins"] = owned_array(std::move(found.origins));
   result["independent_origins"] = owned_array(std::move(found.independent_origins));
@@ -135,7 +165,7 @@ auto combine_runs(ValuesOfRuns const& values, ValuesOfRuns const& errors) {
 void bind_analysis(nb::module_& module) {
   module.def("dynamics", &dynamics, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
              nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("most_lags"), nb::arg("keeps_drift"),
-             nb::arg("threads"));
+             nb::arg("threads"), nb::arg("surroundings").none());
   module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
              nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
   module.def("clusters", &clusters, nb::arg("count"), nb::arg("i"), nb::arg("j"));

@@ -5,49 +5,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <numeric>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "analysis/bessel_table.hpp"
+#include "analysis/displacement_sums.hpp"
 #include "analysis/lags.hpp"
-#include "core/avx512.hpp"
+#include "analysis/relative_positions.hpp"
+#include "analysis/trajectory.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/vector.hpp"
 
 namespace gridlock {
 
 namespace {
-
-constexpr std::size_t lane_count = 8;
-
-/// Eight numbers in registers of any width. Lanes are summed singly, so sums have the same bits with every compiler.
-using Eight = double __attribute__((vector_size(lane_count * sizeof(double)), aligned(alignof(double))));
-
-/// Sums over agents in lanes: agent k is added to lane k modulo the number of lanes.
-struct Lanes {
-  Eight squares{};
-  Eight fourths{};
-  Eight near{};
-};
-
-/// Sums over agents, with all lanes added up.
-struct Sums {
-  double squares = 0.0;
-  double fourths = 0.0;
-  double near = 0.0;
-  double scattering = 0.0;
-
-  void add(Lanes const& lanes) {
-    for (std::size_t l = 0; l < lane_count; ++l) {
-      squares += lanes.squares[l];
-      fourths += lanes.fourths[l];
-      near += lanes.near[l];
-    }
-  }
-};
 
 /// The coordinates of some agents in all frames: x of all agents of a frame, then y.
 struct AgentBlock {
@@ -58,148 +31,27 @@ struct AgentBlock {
   [[nodiscard]] double const* y(std::size_t frame) const { return x(frame) + agents; }
 };
 
-/// The coordinates of a block of agents in two frames.
-struct Displacements {
-  double const* x0;
-  double const* y0;
-  double const* x1;
-  double const* y1;
-  std::size_t count;
+/// Positions of the agents of one kind at an origin relative to their neighbours.
+struct RelativePositions {
+  explicit RelativePositions(std::size_t agents) : x(agents), y(agents) {}
 
-  [[nodiscard]] double squared(std::size_t k) const { return squared_length({x1[k] - x0[k], y1[k] - y0[k]}); }
+  std::vector<double> x;
+  std::vector<double> y;
 };
 
-[[gnu::always_inline]] inline void add_eight(Displacements const& moved, std::size_t k, std::size_t count,
-                                             double squared_overlap, Lanes& sums) {
-  Eight x0{}, y0{}, x1{}, y1{};
-  std::memcpy(&x0, moved.x0 + k, count * sizeof(double));
-  std::memcpy(&y0, moved.y0 + k, count * sizeof(double));
-  std::memcpy(&x1, moved.x1 + k, count * sizeof(double));
-  std::memcpy(&y1, moved.y1 + k, count * sizeof(double));
-  Eight const dx = x1 - x0;
-  Eight const dy = y1 - y0;
-  Eight const squares = dx * dx + dy * dy;
-  Eight const one = Eight{} + 1.0;
-  sums.squares += squares;
-  sums.fourths += squares * squares;
-  sums.near += squares <= Eight{} + squared_overlap ? one : Eight{};
-}
-
-[[gnu::always_inline]] inline void add_all(Displacements const& moved, double squared_overlap, Lanes& lanes) {
-  Lanes sums = lanes;  // a local copy stays in registers
-  std::size_t k = 0;
-  for (; k + lane_count <= moved.count; k += lane_count) add_eight(moved, k, lane_count, squared_overlap, sums);
-  if (std::size_t const rest = moved.count - k; rest > 0) {
-    add_eight(moved, k, rest, squared_overlap, sums);
-    // Lanes without an agent have counted as an agent that has not moved.
-    for (std::size_t l = rest; l < lane_count; ++l) sums.near[l] -= 1.0;
-  }
-  lanes = sums;
-}
-
-/// Adds J₀(q |Δr|) of agents from `first` on, with the same bits as add_scattering_avx512().
-void add_scattering_from(std::size_t first, Displacements const& moved, double squared_q, BesselTable const& table,
-                         Eight& sums) {
-  for (std::size_t k = first; k < moved.count; ++k) sums[k % lane_count] += table(squared_q * moved.squared(k));
-}
-
-void add_scattering_scalar(Displacements const& moved, double squared_q, BesselTable const& table, Eight& sums) {
-  add_scattering_from(0, moved, squared_q, table, sums);
-}
-
-void add_scalar(Displacements const& moved, double squared_overlap, Lanes& lanes) {
-  add_all(moved, squared_overlap, lanes);
-}
-
-#ifdef GRIDLOCK_AVX512
-GRIDLOCK_AVX512 void add_avx512(Displacements const& moved, double squared_overlap, Lanes& lanes) {
-  add_all(moved, squared_overlap, lanes);
-}
-
-struct Coefficients {
-  __m512d c0;
-  __m512d c1;
-  __m512d c2;
-  __m512d c3;
+/// The pair of frames of a lag that comes next.
+struct Cursor {
+  std::size_t pair = 0;
+  std::size_t independent = 0;  ///< number of independent pairs before it
 };
-
-/// Loads four coefficients of each of eight polynomials by loads and a transposition, which is faster than gathers.
-GRIDLOCK_AVX512 inline Coefficients coefficients_of(double const* pieces, __m256i piece) {
-  alignas(32) std::array<std::int32_t, lane_count> at;
-  _mm256_store_si256(reinterpret_cast<__m256i*>(at.data()), _mm256_slli_epi32(piece, 2));
-  __m512d rows[4];
-  for (std::size_t l = 0; l < 4; ++l) {
-    rows[l] = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(pieces + at[l])),
-                                 _mm256_loadu_pd(pieces + at[l + 4]), 1);
-  }
-  __m512d const even_low = _mm512_unpacklo_pd(rows[0], rows[1]);
-  __m512d const odd_low = _mm512_unpackhi_pd(rows[0], rows[1]);
-  __m512d const even_high = _mm512_unpacklo_pd(rows[2], rows[3]);
-  __m512d const odd_high = _mm512_unpackhi_pd(rows[2], rows[3]);
-  __m512i const first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-  __m512i const second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-  return {_mm512_permutex2var_pd(even_low, first, even_high), _mm512_permutex2var_pd(odd_low, first, odd_high),
-          _mm512_permutex2var_pd(even_low, second, even_high), _mm512_permutex2var_pd(odd_low, second, odd_high)};
-}
-
-/// Adds J₀(q |Δr|) for eight agents at a time, and one by one for agents beyond the table.
-GRIDLOCK_AVX512 void add_scattering_avx512(Displacements const& moved, double squared_q, BesselTable const& table,
-                                           Eight& sums) {
-  std::size_t k = 0;
-  for (; k + lane_count <= moved.count; k += lane_count) {
-    __m512d const dx = _mm512_sub_pd(_mm512_loadu_pd(moved.x1 + k), _mm512_loadu_pd(moved.x0 + k));
-    __m512d const dy = _mm512_sub_pd(_mm512_loadu_pd(moved.y1 + k), _mm512_loadu_pd(moved.y0 + k));
-    __m512d const square = _mm512_add_pd(_mm512_mul_pd(dx, dx), _mm512_mul_pd(dy, dy));
-    __m512d const s = _mm512_mul_pd(_mm512_set1_pd(squared_q), square);
-    __mmask8 const inside = _mm512_cmp_pd_mask(s, _mm512_set1_pd(BesselTable::end), _CMP_LT_OQ);
-    __m512d const scaled = _mm512_mul_pd(s, _mm512_set1_pd(1.0 / BesselTable::width));
-    __m256i const piece = _mm512_maskz_cvttpd_epi32(inside, scaled);
-    __m512d const t = _mm512_sub_pd(scaled, _mm512_cvtepi32_pd(piece));
-    auto const [c0, c1, c2, c3] = coefficients_of(table.pieces(), piece);
-    Eight value = _mm512_add_pd(c2, _mm512_mul_pd(t, c3));
-    value = _mm512_add_pd(c1, _mm512_mul_pd(t, value));
-    value = _mm512_add_pd(c0, _mm512_mul_pd(t, value));
-    for (std::size_t l = 0; inside != 0xFF && l < lane_count; ++l) {
-      if ((inside >> l & 1U) == 0) value[l] = table(squared_q * moved.squared(k + l));
-    }
-    sums += value;
-  }
-  add_scattering_from(k, moved, squared_q, table, sums);
-}
-#endif
-
-auto* fastest_add() {
-#ifdef GRIDLOCK_AVX512
-  if (uses_avx512()) return &add_avx512;
-#endif
-  return &add_scalar;
-}
-
-auto* fastest_add_scattering() {
-#ifdef GRIDLOCK_AVX512
-  if (uses_avx512()) return &add_scattering_avx512;
-#endif
-  return &add_scattering_scalar;
-}
-
-/// Returns which pairs of a lag are independent: pairs whose intervals do not overlap, chosen from the first on.
-std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double const> times) {
-  std::vector<bool> result(frames.size(), false);
-  double free_from = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    auto const [first, second] = frames[k];
-    if (times[first] < free_from) continue;
-    result[k] = true;
-    free_from = times[second] - 1e-3 * frames.lag();
-  }
-  return result;
-}
 
 /// The sums of one lag for one kind of agents.
 struct LagSums {
-  Lanes lanes;                  ///< sums over pairs of frames that are not independent
-  Sums sums;                    ///< sums over independent pairs, and scattering of all pairs
-  std::vector<Sums> by_origin;  ///< sums of each independent pair
+  Lanes lanes;                      ///< sums over pairs of frames that are not independent
+  double near_in_lanes = 0.0;       ///< sum over the lanes of agents that are near
+  Sums sums;                        ///< sums over independent pairs, and scattering of all pairs
+  std::vector<Sums> by_origin;      ///< sums of each independent pair
+  std::vector<std::uint32_t> near;  ///< number of agents that are near, of each pair; empty without an overlap length
 
   [[nodiscard]] Sums total() const {
     Sums total = sums;
@@ -207,6 +59,8 @@ struct LagSums {
     return total;
   }
 };
+
+using SumsOfLags = std::vector<LagSums>;
 
 class Walk {
  public:
@@ -225,9 +79,19 @@ class Walk {
       result.origins.push_back(lags_[l].size());
       result.independent_origins.push_back(static_cast<std::uint64_t>(std::ranges::count(independent_[l], true)));
     }
+    std::vector<Agents> const kinds = agents_by_kind(trajectory_);
+    std::vector<SumsOfLags> sums(kinds.size(), no_sums());
     ThreadPool pool(settings_.threads);
-    for (std::vector<std::uint32_t> const& agents : agents_by_kind()) {
-      result.kinds.push_back(curves(sums_over(agents, pool), static_cast<double>(agents.size())));
+    if (settings_.neighbours) {
+      add_relative_to_neighbours(kinds, pool, sums);
+    } else {
+      for (std::size_t kind = 0; kind < kinds.size(); ++kind) add_all(kinds[kind], pool, sums[kind]);
+    }
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+      result.kinds.push_back(curves(sums[kind], static_cast<double>(kinds[kind].size())));
+    }
+    if (settings_.overlap_length > 0.0) {
+      result.susceptibility = susceptibilities(sums, static_cast<double>(trajectory_.agents));
     }
     return result;
   }
@@ -235,19 +99,22 @@ class Walk {
  private:
   void find_drift() {
     for (std::size_t f = 0; f < trajectory_.frames; ++f) {
-      double const* const frame = trajectory_.positions + 2 * f * trajectory_.agents;
+      double const* const frame = frame_at(f);
       for (std::size_t i = 0; i < trajectory_.agents; ++i)
         drift_[f] = drift_[f] + Vector{frame[2 * i], frame[2 * i + 1]};
       drift_[f] = (1.0 / static_cast<double>(trajectory_.agents)) * drift_[f];
     }
   }
 
-  [[nodiscard]] std::vector<std::vector<std::uint32_t>> agents_by_kind() const {
-    std::vector<std::vector<std::uint32_t>> result(1);
-    for (std::uint32_t i = 0; i < trajectory_.agents; ++i) {
-      std::size_t const kind = trajectory_.kinds.empty() ? 0 : trajectory_.kinds[i];
-      if (kind >= result.size()) result.resize(kind + 1);
-      result[kind].push_back(i);
+  [[nodiscard]] double const* frame_at(std::size_t f) const {
+    return trajectory_.positions + 2 * f * trajectory_.agents;
+  }
+
+  [[nodiscard]] SumsOfLags no_sums() const {
+    SumsOfLags result(lags_.size());
+    for (std::size_t l = 0; l < lags_.size(); ++l) {
+      result[l].by_origin.resize(static_cast<std::size_t>(std::ranges::count(independent_[l], true)));
+      if (settings_.overlap_length > 0.0) result[l].near.resize(lags_[l].size());
     }
     return result;
   }
@@ -263,7 +130,7 @@ class Walk {
     block.coordinates.resize(2 * agents.size() * trajectory_.frames);
     double* to = block.coordinates.data();
     for (std::size_t f = 0; f < trajectory_.frames; ++f, to += 2 * agents.size()) {
-      double const* const frame = trajectory_.positions + 2 * f * trajectory_.agents;
+      double const* const frame = frame_at(f);
       for (std::size_t k = 0; k < agents.size(); ++k) {
         double const* const agent = frame + 2 * std::size_t{agents[k]};
         to[k] = agent[0] - drift_[f].x;
@@ -273,47 +140,90 @@ class Walk {
     return block;
   }
 
-  [[nodiscard]] std::vector<LagSums> sums_over(std::vector<std::uint32_t> const& agents, ThreadPool& pool) const {
-    std::vector<LagSums> result(lags_.size());
-    for (std::size_t l = 0; l < lags_.size(); ++l) {
-      result[l].by_origin.resize(static_cast<std::size_t>(std::ranges::count(independent_[l], true)));
-    }
+  void add_all(Agents const& agents, ThreadPool& pool, SumsOfLags& sums) const {
     for (std::size_t begin = 0; begin < agents.size(); begin += block_size()) {
       std::size_t const count = std::min(block_size(), agents.size() - begin);
       AgentBlock const block = block_of(std::span(agents).subspan(begin, count));
-      pool.for_each(lags_.size(), [&](std::size_t l) { add_lag(block, l, result[l]); });
+      pool.for_each(lags_.size(), [&](std::size_t l) {
+        for (Cursor at; at.pair < lags_[l].size(); advance(at, l)) {
+          auto const [first, second] = lags_[l][at.pair];
+          add({block.x(first), block.y(first), block.x(second), block.y(second), block.agents}, l, at, sums[l]);
+        }
+      });
     }
-    return result;
   }
 
-  void add_lag(AgentBlock const& block, std::size_t lag, LagSums& sums) const {
-    FramesOfLag const& frames = lags_[lag];
+  void advance(Cursor& at, std::size_t lag) const {
+    if (independent_[lag][at.pair]) ++at.independent;
+    ++at.pair;
+  }
+
+  /// Adds a block of agents in one pair of frames.
+  void add(Displacements const& moved, std::size_t lag, Cursor at, LagSums& sums) const {
     double const squared_overlap = settings_.overlap_length * settings_.overlap_length;
-    auto origin = sums.by_origin.begin();
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      auto const [first, second] = frames[k];
-      Displacements const moved{block.x(first), block.y(first), block.x(second), block.y(second), block.agents};
-      double const scattering = bessel_ ? scattering_of(moved) : 0.0;
-      sums.sums.scattering += scattering;
-      if (!independent_[lag][k]) {
-        add_(moved, squared_overlap, sums.lanes);
-        continue;
-      }
+    double const scattering = bessel_ ? scattering_of(moved) : 0.0;
+    sums.sums.scattering += scattering;
+    double near = 0.0;
+    if (independent_[lag][at.pair]) {
       Lanes lanes;
-      add_(moved, squared_overlap, lanes);
+      kernels_.add(moved, squared_overlap, lanes);
       sums.sums.add(lanes);
-      origin->add(lanes);
-      origin->scattering += scattering;
-      ++origin;
+      sums.by_origin[at.independent].add(lanes);
+      sums.by_origin[at.independent].scattering += scattering;
+      near = lanes.all_near();
+    } else {
+      kernels_.add(moved, squared_overlap, sums.lanes);
+      // The lanes hold whole numbers, so that the difference is exact.
+      if (!sums.near.empty()) near = sums.lanes.all_near() - std::exchange(sums.near_in_lanes, sums.lanes.all_near());
     }
+    if (!sums.near.empty()) sums.near[at.pair] += static_cast<std::uint32_t>(near);
   }
 
   [[nodiscard]] double scattering_of(Displacements const& moved) const {
     Eight sums{};
-    add_scattering_(moved, settings_.wave_number * settings_.wave_number, *bessel_, sums);
+    kernels_.add_scattering(moved, settings_.wave_number * settings_.wave_number, *bessel_, sums);
     double sum = 0.0;
     for (std::size_t l = 0; l < lane_count; ++l) sum += sums[l];
     return sum;
+  }
+
+  /// Adds displacements relative to those of neighbours, origin by origin: an origin has its neighbours for all lags.
+  void add_relative_to_neighbours(std::vector<Agents> const& kinds, ThreadPool& pool,
+                                  std::vector<SumsOfLags>& sums) const {
+    std::vector<Cursor> next(lags_.size());
+    for (std::size_t origin = 0; origin + 1 < trajectory_.frames; ++origin) {
+      auto const begins_here = [&](std::size_t l) {
+        return next[l].pair < lags_[l].size() && lags_[l][next[l].pair].first == origin;
+      };
+      if (std::ranges::none_of(std::views::iota(std::size_t{0}, lags_.size()), begins_here)) continue;
+      NeighbourLists const neighbours = settings_.neighbours(origin);
+      require_lists(neighbours, trajectory_.agents, origin);
+      for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+        RelativePositions at_origin(kinds[kind].size());
+        find_relative_positions(frame_at(origin), neighbours, kinds[kind], drift_[origin], at_origin.x.data(),
+                                at_origin.y.data());
+        pool.for_each(lags_.size(), [&](std::size_t l) {
+          if (begins_here(l)) add_relative(neighbours, kinds[kind], at_origin, l, next[l], sums[kind][l]);
+        });
+      }
+      for (std::size_t l = 0; l < lags_.size(); ++l) {
+        if (begins_here(l)) advance(next[l], l);
+      }
+    }
+  }
+
+  /// Adds the agents of one kind in one pair of frames, in blocks that stay in the first cache.
+  void add_relative(NeighbourLists const& neighbours, Agents const& agents, RelativePositions const& at_origin,
+                    std::size_t lag, Cursor at, LagSums& sums) const {
+    constexpr std::size_t most = 512;
+    std::array<double, most> x, y;
+    std::size_t const second = lags_[lag][at.pair].second;
+    for (std::size_t begin = 0; begin < agents.size(); begin += most) {
+      std::size_t const count = std::min(most, agents.size() - begin);
+      find_relative_positions(frame_at(second), neighbours, std::span(agents).subspan(begin, count), drift_[second],
+                              x.data(), y.data());
+      add({at_origin.x.data() + begin, at_origin.y.data() + begin, x.data(), y.data(), count}, lag, at, sums);
+    }
   }
 
   /// Returns the mean with its standard error from the values of the independent pairs.
@@ -325,7 +235,7 @@ class Walk {
     return {.value = mean, .error = scatter ? scatter->error : std::nullopt};
   }
 
-  [[nodiscard]] DynamicsOfKind curves(std::vector<LagSums> const& lags, double agents) const {
+  [[nodiscard]] DynamicsOfKind curves(SumsOfLags const& lags, double agents) const {
     DynamicsOfKind result;
     for (std::size_t l = 0; l < lags_.size(); ++l) {
       Sums const total = lags[l].total();
@@ -347,6 +257,24 @@ class Walk {
       if (bessel_) result.scattering.push_back(mean(total.scattering, &Sums::scattering));
       if (settings_.overlap_length > 0.0) result.overlap.push_back(mean(total.near, &Sums::near));
     }
+    if (settings_.overlap_length > 0.0) result.susceptibility = susceptibilities({&lags, 1}, agents);
+    return result;
+  }
+
+  /// Returns χ₄ of the agents of some kinds together, for each lag.
+  [[nodiscard]] std::vector<Estimate> susceptibilities(std::span<SumsOfLags const> kinds, double agents) const {
+    std::vector<Estimate> result;
+    for (std::size_t l = 0; l < lags_.size(); ++l) {
+      std::vector<double> near(lags_[l].size());
+      for (SumsOfLags const& lags : kinds) {
+        for (std::size_t k = 0; k < near.size(); ++k) near[k] += lags[l].near[k];
+      }
+      Estimate variance = variance_over_origins(lags_[l], trajectory_.times, independent_[l], std::move(near));
+      // The variance of Q is that of the number of agents over N².
+      variance.value /= agents;
+      if (variance.error) *variance.error /= agents;
+      result.push_back(variance);
+    }
     return result;
   }
 
@@ -356,37 +284,8 @@ class Walk {
   std::vector<std::vector<bool>> independent_;
   std::optional<BesselTable> bessel_;
   std::vector<Vector> drift_;
-  decltype(fastest_add()) add_ = fastest_add();
-  decltype(fastest_add_scattering()) add_scattering_ = fastest_add_scattering();
+  DisplacementKernels kernels_ = fastest_displacement_kernels();
 };
-
-void require_finite_positions(TrajectoryInMemory const& trajectory) {
-  for (std::size_t k = 0; k < 2 * trajectory.frames * trajectory.agents; ++k) {
-    if (std::isfinite(trajectory.positions[k])) continue;
-    std::size_t const row = k / 2;
-    throw Error({.what = fmt::format("the position of agent {} in frame {} is not finite", row % trajectory.agents,
-                                     row / trajectory.agents),
-                 .hint = "every coordinate must be finite"});
-  }
-}
-
-void require_kinds(TrajectoryInMemory const& trajectory) {
-  if (trajectory.kinds.empty()) return;
-  if (trajectory.kinds.size() != trajectory.agents) {
-    throw Error(
-        {.what = fmt::format("there are kinds of {} agents, but {} agents", trajectory.kinds.size(), trajectory.agents),
-         .hint = "give one kind for each agent"});
-  }
-  std::vector<std::uint32_t> sorted(trajectory.kinds.begin(), trajectory.kinds.end());
-  std::ranges::sort(sorted);
-  for (std::uint32_t expected = 0; std::uint32_t const kind : sorted) {
-    if (kind > expected) {
-      throw Error({.what = fmt::format("there are agents of kind {} and none of kind {}", kind, expected),
-                   .hint = "number the kinds from 0 without a gap"});
-    }
-    expected = kind + 1;
-  }
-}
 
 void require_lengths(DynamicsSettings const& settings) {
   auto const require = [](char const* name, double value) {
@@ -401,17 +300,8 @@ void require_lengths(DynamicsSettings const& settings) {
 }  // namespace
 
 Dynamics find_dynamics(TrajectoryInMemory const& trajectory, DynamicsSettings const& settings) {
-  if (trajectory.agents == 0) {
-    throw Error(Problem{.what = "a trajectory without agents", .hint = "use at least one agent"});
-  }
-  if (trajectory.times.size() != trajectory.frames) {
-    throw Error(
-        {.what = fmt::format("there are times of {} frames, but {} frames", trajectory.times.size(), trajectory.frames),
-         .hint = "give one time for each frame"});
-  }
   require_lengths(settings);
-  require_kinds(trajectory);
-  require_finite_positions(trajectory);
+  require_trajectory(trajectory);
   return Walk(trajectory, settings).run();
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "gridlock/core/error.hpp"
 
@@ -107,6 +108,69 @@ std::vector<FramesOfLag> uneven_lags(std::span<double const> times, std::size_t 
 std::vector<FramesOfLag> lags_between(std::span<double const> times, std::size_t most) {
   double const tolerance = 1e-3 * shortest_gap(times);
   return are_even(times, tolerance) ? even_lags(times, most) : uneven_lags(times, most, tolerance);
+}
+
+std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double const> times) {
+  std::vector<bool> result(frames.size(), false);
+  double free_from = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    auto const [first, second] = frames[k];
+    if (times[first] < free_from) continue;
+    result[k] = true;
+    free_from = times[second] - 1e-3 * frames.lag();
+  }
+  return result;
+}
+
+FramesOfLag frames_nearest(std::span<FramesOfLag const> lags, std::span<double const> times, double lag,
+                           std::size_t max_origins) {
+  if (!(lag >= 0.0) || !std::isfinite(lag)) {
+    throw Error({.what = fmt::format("a lag is {}", lag), .hint = "use times, 0 or above"});
+  }
+  auto const away = [&](FramesOfLag const& frames) { return std::abs(frames.lag() - lag); };
+  FramesOfLag const found = lag == 0.0 ? FramesOfLag(0.0, 0, times.size()) : *std::ranges::min_element(lags, {}, away);
+  if (max_origins == 0 || max_origins >= found.size()) return found;
+  std::vector<FramesOfLag::Pair> chosen;
+  for (std::size_t k = 0; k < max_origins; ++k) {
+    auto const [first, second] = found[k * found.size() / max_origins];
+    chosen.emplace_back(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second));
+  }
+  return {found.lag(), std::move(chosen)};
+}
+
+Estimate mean_over_origins(std::span<double const> values, std::vector<bool> const& independent) {
+  BlockAverage average;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    sum += values[k];
+    if (independent[k]) average.add(values[k]);
+  }
+  return {.value = sum / static_cast<double>(values.size()), .error = average.estimate()->error};
+}
+
+Estimate variance_over_origins(FramesOfLag const& frames, std::span<double const> times,
+                               std::vector<bool> const& independent, std::vector<double> values) {
+  double const mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  BlockAverage squares;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] -= mean;
+    if (independent[k]) squares.add(values[k] * values[k]);
+  }
+  // The pairs of frames before `end` have ended when pair b begins; `first` and `second` are sums of their values.
+  double first = 0.0, second = 0.0, sum = 0.0, count = 0.0;
+  std::size_t end = 0;
+  for (std::size_t b = 0; b < values.size(); ++b) {
+    double const begins = times[frames[b].first] + 1e-3 * frames.lag();
+    for (; end < b && times[frames[end].second] <= begins; ++end) {
+      first += values[end];
+      second += values[end] * values[end];
+    }
+    auto const before = static_cast<double>(end);
+    sum += second - 2.0 * first * values[b] + before * values[b] * values[b];
+    count += before;
+  }
+  if (count == 0.0) return {.value = std::numeric_limits<double>::quiet_NaN(), .error = std::nullopt};
+  return {.value = 0.5 * sum / count, .error = squares.estimate()->error};
 }
 
 }  // namespace gridlock

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/observe/estimate.hpp"
+
 namespace gridlock {
 
 /// The pairs of frames with the same lag, in the order of their origins.
@@ -38,5 +40,26 @@ class FramesOfLag {
 /// Errors: Error for fewer than two frames, for times that do not ascend or are not finite, and for too many frames at
 /// uneven times.
 std::vector<FramesOfLag> lags_between(std::span<double const> times, std::size_t most);
+
+/// Returns which pairs of a lag are independent: pairs whose intervals do not overlap, chosen from the first on.
+std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double const> times);
+
+/// Returns the pairs of frames whose lag is nearest to `lag`; for 0 each frame with itself. Of more than `max_origins`
+/// pairs so many are returned, evenly spread; `max_origins` = 0 returns all. `lags` comes from lags_between().
+FramesOfLag frames_nearest(std::span<FramesOfLag const> lags, std::span<double const> times, double lag,
+                           std::size_t max_origins);
+
+/// Returns the mean of values, one for each pair of a lag, with its error from the independent pairs.
+Estimate mean_over_origins(std::span<double const> values, std::vector<bool> const& independent);
+
+/// Returns the variance of values, one for each pair of a lag, from all pairs of values whose intervals do not overlap;
+/// it is unbiased if such values are independent.
+///
+///     variance = ½ ⟨(v_a − v_b)²⟩
+///
+/// Its error comes from the values of independent pairs of frames; it is somewhat too large, as for all means over
+/// origins. Without two intervals that do not overlap the value is NaN. Cost: O(pairs).
+Estimate variance_over_origins(FramesOfLag const& frames, std::span<double const> times,
+                               std::vector<bool> const& independent, std::vector<double> values);
 
 }  // namespace gridlock

@@ -4,43 +4,15 @@
 
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "analysis/bessel_table.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/observe/estimate.hpp"
+#include "unit/analysis/random_walk.hpp"
 
 namespace gridlock {
 namespace {
-
-struct RandomWalk {
-  std::vector<double> positions;
-  std::vector<double> times;
-  std::size_t agents;
-
-  RandomWalk(std::size_t frames, std::size_t agent_count) : agents(agent_count) {
-    std::mt19937_64 random(7);
-    std::normal_distribution<double> step;
-    for (std::size_t f = 0; f < frames; ++f) {
-      times.push_back(static_cast<double>(f));
-      for (std::size_t k = 0; k < 2 * agents; ++k) {
-        double const before = f == 0 ? 0.0 : positions[positions.size() - 2 * agents];
-        positions.push_back(before + step(random));
-      }
-    }
-  }
-
-  [[nodiscard]] TrajectoryInMemory view() const {
-    return {.positions = positions.data(), .frames = times.size(), .agents = agents, .times = times};
-  }
-
-  [[nodiscard]] double squared(std::size_t agent, std::size_t from, std::size_t to) const {
-    std::size_t const a = 2 * (from * agents + agent);
-    std::size_t const b = 2 * (to * agents + agent);
-    return std::pow(positions[b] - positions[a], 2) + std::pow(positions[b + 1] - positions[a + 1], 2);
-  }
-};
 
 TEST(Dynamics, IsThatOfTheDefinitions) {
   RandomWalk const walk(12, 13);  // no multiple of the lanes
