@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "analysis/count_pairs.hpp"
 #include "core/avx512.hpp"
 #include "grid/require.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
@@ -128,31 +129,9 @@ class Histogram {
   decltype(fastest_find_bins()) find_bins_ = fastest_find_bins();
 };
 
-void require(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
-             std::span<std::uint32_t const> kinds) {
-  if (!box.is_periodic()) {
-    throw Error(Problem{.what = "the pair correlation needs a box that is periodic in x and y",
-                        .hint = "give a box with periodic edges; a run measures it between walls too, with "
-                                "observables.pair_correlation"});
-  }
-  require_search(points, range);
-  require_box_for(box, range);
-  if (!kinds.empty() && kinds.size() != points.count) {
-    throw Error({.what = fmt::format("there are kinds of {} points, but {} points", kinds.size(), points.count),
-                 .hint = "give one kind for each point"});
-  }
-  std::size_t const count = kinds.empty() ? 1 : std::size_t{1} + std::ranges::max(kinds);
-  if (bins >= 1 && count <= max_bins && bins <= max_bins / (count * count)) return;
-  throw Error(
-      {.what = fmt::format("a pair correlation of {} kinds in {} bins", count, bins),
-       .hint = fmt::format("use at least one bin, and at most {} of all pairs of kinds together: radii that are nearly "
-                           "equal can be one kind",
-                           max_bins)});
-}
-
 /// Returns g(r) from counts of pairs, each counted once.
-PairCorrelations normalized(Box const& box, double range, std::size_t bins, std::span<std::uint64_t const> counts,
-                            std::vector<double> const& points) {
+PairCorrelations normalized(Box const& box, double range, std::size_t bins, CountedPairs const& counted) {
+  std::vector<double> const& points = counted.sizes;
   PairCorrelations result{.kinds = points.size(), .distance = {}, .g = {}};
   double const width = range / static_cast<double>(bins);
   for (std::size_t k = 0; k < bins; ++k) result.distance.push_back((static_cast<double>(k) + 0.5) * width);
@@ -160,8 +139,7 @@ PairCorrelations normalized(Box const& box, double range, std::size_t bins, std:
     for (std::size_t b = 0; b < points.size(); ++b) {
       double const pairs = a == b ? 0.5 * points[a] * (points[a] - 1.0) : points[a] * points[b];
       for (std::size_t k = 0; k < bins; ++k) {
-        std::uint64_t const seen = counts[(a * points.size() + b) * (bins + 1) + k] +
-                                   (a == b ? 0 : counts[(b * points.size() + a) * (bins + 1) + k]);
+        std::uint64_t const seen = counted.of(a, b, k);
         double const ring = 2.0 * std::numbers::pi * width * result.distance[k];
         result.g.push_back(static_cast<double>(seen) / (pairs * ring / box.area()));
       }
@@ -170,14 +148,8 @@ PairCorrelations normalized(Box const& box, double range, std::size_t bins, std:
   return result;
 }
 
-/// Pairs of every two kinds in bins, and the number of points of each kind.
-struct CountedPairs {
-  std::vector<std::uint64_t> pairs;
-  std::vector<double> sizes;
-};
-
-CountedPairs count_pairs(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
-                         std::span<std::uint32_t const> kinds, std::uint64_t threads) {
+CountedPairs count_pairs_of_rectangle(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
+                                      std::span<std::uint32_t const> kinds, std::uint64_t threads) {
   ThreadPool pool(threads);
   CellList const sorted(layout_for_cutoff(box, range, points.count), {}, points, pool);
   std::vector<double> sizes(kinds.empty() ? 1 : std::ranges::max(kinds) + 1, 0.0);
@@ -209,7 +181,7 @@ CountedPairs count_pairs_of_oblique(Box const& box, PointsInMemory const& points
     kinds_of_all[k] = kind + static_cast<std::uint32_t>(k < all.own() ? 0 : count);
   }
   PointsInMemory const in_frame{.x = all.x().data(), .y = all.y().data(), .count = all.size()};
-  CountedPairs const found = count_pairs(all.frame(), in_frame, range, bins, kinds_of_all, threads);
+  CountedPairs const found = count_pairs_of_rectangle(all.frame(), in_frame, range, bins, kinds_of_all, threads);
   std::size_t const all_kinds = found.sizes.size();
   CountedPairs counted{.pairs = std::vector<std::uint64_t>(count * count * (bins + 1)),
                        .sizes = {found.sizes.begin(), found.sizes.begin() + static_cast<std::ptrdiff_t>(count)}};
@@ -227,12 +199,39 @@ CountedPairs count_pairs_of_oblique(Box const& box, PointsInMemory const& points
 
 }  // namespace
 
+void require_pair_correlation(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
+                              std::span<std::uint32_t const> kinds) {
+  if (!box.is_periodic()) {
+    throw Error(Problem{.what = "the pair correlation needs a box that is periodic in x and y",
+                        .hint = "give a box with periodic edges; a run measures it between walls too, with "
+                                "observables.pair_correlation"});
+  }
+  require_search(points, range);
+  require_box_for(box, range);
+  if (!kinds.empty() && kinds.size() != points.count) {
+    throw Error({.what = fmt::format("there are kinds of {} points, but {} points", kinds.size(), points.count),
+                 .hint = "give one kind for each point"});
+  }
+  std::size_t const count = kinds.empty() ? 1 : std::size_t{1} + std::ranges::max(kinds);
+  if (bins >= 1 && count <= max_bins && bins <= max_bins / (count * count)) return;
+  throw Error(
+      {.what = fmt::format("a pair correlation of {} kinds in {} bins", count, bins),
+       .hint = fmt::format("use at least one bin, and at most {} of all pairs of kinds together: radii that are nearly "
+                           "equal can be one kind",
+                           max_bins)});
+}
+
+CountedPairs count_pairs(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
+                         std::span<std::uint32_t const> kinds, std::uint64_t threads) {
+  return box.is_oblique() ? count_pairs_of_oblique(box, points, range, bins, kinds, threads)
+                          : count_pairs_of_rectangle(box, points, range, bins, kinds, threads);
+}
+
 PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
                                         std::span<std::uint32_t const> kinds, std::uint64_t threads) {
-  require(box, points, range, bins, kinds);
-  CountedPairs const counted = box.is_oblique() ? count_pairs_of_oblique(box, points, range, bins, kinds, threads)
-                                                : count_pairs(box, points, range, bins, kinds, threads);
-  return normalized(box, range, bins, counted.pairs, counted.sizes);
+  require_pair_correlation(box, points, range, bins, kinds);
+  CountedPairs const counted = count_pairs(box, points, range, bins, kinds, threads);
+  return normalized(box, range, bins, counted);
 }
 
 }  // namespace gridlock
