@@ -31,12 +31,11 @@ struct AgentBlock {
   [[nodiscard]] double const* y(std::size_t frame) const { return x(frame) + agents; }
 };
 
-/// Positions of the agents of one kind at an origin relative to their neighbours.
-struct RelativePositions {
-  explicit RelativePositions(std::size_t agents) : x(agents), y(agents) {}
-
-  std::vector<double> x;
-  std::vector<double> y;
+/// Agents of one kind with their neighbours at an origin, and their positions relative to them.
+struct CagesAtOrigin {
+  Cages cages;
+  std::vector<double> x = std::vector<double>(cages.size());
+  std::vector<double> y = std::vector<double>(cages.size());
 };
 
 /// The pair of frames of a lag that comes next.
@@ -199,11 +198,11 @@ class Walk {
       NeighbourLists const neighbours = settings_.neighbours(origin);
       require_lists(neighbours, trajectory_.agents, origin);
       for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
-        RelativePositions at_origin(kinds[kind].size());
-        find_relative_positions(frame_at(origin), neighbours, kinds[kind], drift_[origin], at_origin.x.data(),
-                                at_origin.y.data());
+        CagesAtOrigin at_origin{.cages = Cages(neighbours, kinds[kind])};
+        at_origin.cages.find_relative_positions(frame_at(origin), 0, at_origin.cages.size(), drift_[origin],
+                                                at_origin.x.data(), at_origin.y.data());
         pool.for_each(lags_.size(), [&](std::size_t l) {
-          if (begins_here(l)) add_relative(neighbours, kinds[kind], at_origin, l, next[l], sums[kind][l]);
+          if (begins_here(l)) add_relative(at_origin, l, next[l], sums[kind][l]);
         });
       }
       for (std::size_t l = 0; l < lags_.size(); ++l) {
@@ -213,16 +212,14 @@ class Walk {
   }
 
   /// Adds the agents of one kind in one pair of frames, in blocks that stay in the first cache.
-  void add_relative(NeighbourLists const& neighbours, Agents const& agents, RelativePositions const& at_origin,
-                    std::size_t lag, Cursor at, LagSums& sums) const {
+  void add_relative(CagesAtOrigin const& from, std::size_t lag, Cursor at, LagSums& sums) const {
     constexpr std::size_t most = 512;
     std::array<double, most> x, y;
     std::size_t const second = lags_[lag][at.pair].second;
-    for (std::size_t begin = 0; begin < agents.size(); begin += most) {
-      std::size_t const count = std::min(most, agents.size() - begin);
-      find_relative_positions(frame_at(second), neighbours, std::span(agents).subspan(begin, count), drift_[second],
-                              x.data(), y.data());
-      add({at_origin.x.data() + begin, at_origin.y.data() + begin, x.data(), y.data(), count}, lag, at, sums);
+    for (std::size_t begin = 0; begin < from.cages.size(); begin += most) {
+      std::size_t const count = std::min(most, from.cages.size() - begin);
+      from.cages.find_relative_positions(frame_at(second), begin, count, drift_[second], x.data(), y.data());
+      add({from.x.data() + begin, from.y.data() + begin, x.data(), y.data(), count}, lag, at, sums);
     }
   }
 

@@ -3,26 +3,56 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
 
-void find_relative_positions(double const* positions, NeighbourLists const& neighbours,
-                             std::span<std::uint32_t const> agents, Vector drift, double* x, double* y) {
-  std::uint32_t const* const list = neighbours.neighbours.data();
-  for (std::size_t k = 0; k < agents.size(); ++k) {
-    std::size_t const i = agents[k];
-    std::uint64_t const begin = neighbours.begin[i];
-    std::uint64_t const end = neighbours.begin[i + 1];
-    Vector sum{};
-    for (std::uint64_t n = begin; n < end; ++n) {
-      double const* const neighbour = positions + 2 * std::size_t{list[n]};
-      sum = sum + Vector{neighbour[0], neighbour[1]};
+namespace {
+
+using Two = double __attribute__((vector_size(2 * sizeof(double))));
+
+Two load(double const* xy) {
+  Two two;
+  std::memcpy(&two, xy, sizeof two);
+  return two;
+}
+
+}  // namespace
+
+Cages::Cages(NeighbourLists const& neighbours, Agents const& agents) {
+  std::vector<Agents> by_count;
+  for (std::uint32_t const i : agents) {
+    std::size_t const count = neighbours.begin[i + 1] - neighbours.begin[i];
+    if (count >= by_count.size()) by_count.resize(count + 1);
+    by_count[count].push_back(i);
+  }
+  begin_.push_back(0);
+  for (Agents const& equal : by_count) {
+    for (std::uint32_t const i : equal) {
+      agents_.push_back(i);
+      auto const list = std::span(neighbours.neighbours).subspan(neighbours.begin[i]);
+      neighbours_.insert(neighbours_.end(), list.begin(),
+                         list.begin() + (neighbours.begin[i + 1] - neighbours.begin[i]));
+      begin_.push_back(neighbours_.size());
     }
-    Vector const middle = begin == end ? drift : (1.0 / static_cast<double>(end - begin)) * sum;
-    x[k] = positions[2 * i] - middle.x;
-    y[k] = positions[2 * i + 1] - middle.y;
+  }
+}
+
+void Cages::find_relative_positions(double const* positions, std::size_t first, std::size_t count, Vector drift,
+                                    double* x, double* y) const {
+  std::uint32_t const* neighbour = neighbours_.data() + begin_[first];
+  for (std::size_t k = 0; k < count; ++k) {
+    std::size_t const i = agents_[first + k];
+    std::uint64_t const neighbours = begin_[first + k + 1] - begin_[first + k];
+    Two sum{};
+    for (std::uint64_t n = 0; n < neighbours; ++n) sum += load(positions + 2 * std::size_t{neighbour[n]});
+    neighbour += neighbours;
+    Two const middle = neighbours == 0 ? Two{drift.x, drift.y} : sum / static_cast<double>(neighbours);
+    Two const relative = load(positions + 2 * i) - middle;
+    x[k] = relative[0];
+    y[k] = relative[1];
   }
 }
 
