@@ -31,6 +31,7 @@ from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification, read_xyz, verify
 from .files import open as open
+from .glass import CollectiveScattering, StringLengths, VanHove, collective_scattering, string_lengths, van_hove
 from .models import Model, Setting, register_model
 from .neighbors import Neighbors, neighbors, pairs, pairs_of_disks
 from .packings import Contacts, SpectralDensity, contacts, spectral_density
@@ -41,12 +42,12 @@ from .world import Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "DensityProfile", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
+    "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "DensityProfile", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
-    "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "Verification", "Voronoi", "World",
-    "bond_orientation", "clusters", "combine", "contacts", "density_profile", "diffusion_coefficient", "dynamics", "explain",
-    "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
-    "separations", "spectral_density", "structure_factor", "sweep", "verify", "voronoi",
+    "SpectralDensity", "Start", "StringLengths", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi",
+    "World", "bond_orientation", "clusters", "collective_scattering", "combine", "contacts", "density_profile", "diffusion_coefficient", "dynamics",
+    "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
+    "separations", "spectral_density", "string_lengths", "structure_factor", "sweep", "van_hove", "verify", "voronoi",
 ]
 
 

@@ -52,6 +52,13 @@ def as_trajectory(positions: ArrayLike) -> NDArray[np.float64]:
     return as_numbers(positions, "the positions", (None, None, 2), "use an array of shape (frames, N, 2)", finite=False)
 
 
+def as_times(times: ArrayLike | None, frames: int) -> NDArray[np.float64]:
+    """The time of each frame, shape (frames,); the numbers of the frames where times are left out."""
+    if times is None:
+        return np.arange(frames, dtype=np.float64)
+    return as_numbers(times, "the times", (frames,), f"give one time for each of the {frames} frames")
+
+
 def dynamics(
     positions: ArrayLike,
     times: ArrayLike | None = None,
@@ -61,7 +68,7 @@ def dynamics(
     overlap_length: float | None = None,
     lags: int | None = None,
     drift: bool = True,
-    neighbors: float | str | Sequence[Neighbors] | None = None,
+    neighbors: float | str | Neighbors | Sequence[Neighbors] | None = None,
     box: BoxLike = None,
     threads: int = 1,
 ) -> Dynamics:
@@ -84,8 +91,8 @@ def dynamics(
     :param lags: so many lags at most, evenly in their logarithm; all where left out.
     :param drift: False takes out the motion of the mean of all positions, which is that of the centre of mass only where all masses
         are equal.
-    :param neighbors: a cutoff, all nearer agents being neighbours; "voronoi"; or one :class:`Neighbors` for each frame. An agent
-        without neighbours keeps its displacement.
+    :param neighbors: a cutoff, all nearer agents being neighbours; "voronoi"; or one :class:`Neighbors`, for each frame
+        or for all. An agent without neighbours keeps its displacement.
     :param box: that of all frames, where neighbours are searched.
     :param threads: 0 for all cores. The result does not depend on it.
     :returns: :class:`Dynamics`.
@@ -95,7 +102,7 @@ def dynamics(
     Errors know nothing of what changes more slowly than the trajectory: combine runs of several seeds (:func:`combine`). χ₄ is not a
     number where all intervals of a lag overlap. At constant energy or composition it is smaller than where they fluctuate.
 
-    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns; relative to six neighbours COST ns more,
+    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns; relative to six neighbours 10 ns more,
     and the search. Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405; W. Kob, H. C. Andersen (1995),
     doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003), doi:10.1063/1.1605094 (overlap, χ₄); L. Berthier et al. (2007),
     doi:10.1063/1.2721554 (χ₄ and what is constant); S. Mazoyer et al. (2009), doi:10.1209/0295-5075/88/66004, and S. Vivek et al.
@@ -117,11 +124,9 @@ def dynamics(
     """
     array = as_trajectory(positions)
     frames, count, _ = array.shape
-    moments = np.arange(frames, dtype=np.float64) if times is None else as_numbers(
-        times, "the times", (frames,), f"give one time for each of the {frames} frames")
     labels = None if kinds is None else as_kinds(kinds, count)
     found = _core.dynamics(
-        array, moments, labels,
+        array, as_times(times, frames), labels,
         0.0 if q is None else as_number(q, "q"),
         0.0 if overlap_length is None else as_number(overlap_length, "overlap_length"),
         0 if lags is None else as_count(lags, "lags"),
@@ -137,10 +142,10 @@ def dynamics(
 
 
 def _surroundings(
-    neighbors: float | str | Sequence[Neighbors] | None, box: BoxLike, frames: int, count: int
+    neighbors: float | str | Neighbors | Sequence[Neighbors] | None, box: BoxLike, frames: int, count: int
 ) -> tuple[float, BoxValues | None, list[Neighbors]] | None:
     """The cutoff, 0 for Voronoi neighbours; the box; and the neighbours of each frame where they are given."""
-    hint = 'give a cutoff with the box, "voronoi" with the box, or one Neighbors for each frame'
+    hint = 'give a cutoff with the box, "voronoi" with the box, or Neighbors of every frame'
     if neighbors is None:
         if box is not None:
             raise Error(f"there is a box, and no neighbours are searched\n  hint: {hint}")
@@ -150,6 +155,8 @@ def _surroundings(
         if neighbors != "voronoi" or sides is None:
             raise Error(f"the neighbours are {neighbors!r}, the box is {box!r}\n  hint: {hint}")
         return 0.0, sides, []
+    if isinstance(neighbors, Neighbors):
+        return 0.0, None, [as_neighbors(neighbors, count)] * frames
     if not isinstance(neighbors, Sequence):
         return as_number(neighbors, "the cutoff of the neighbours", hint), sides, []
     if len(neighbors) != frames:

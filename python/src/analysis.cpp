@@ -12,8 +12,11 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "gridlock/analysis/collective_scattering.hpp"
 #include "gridlock/analysis/dynamics.hpp"
 #include "gridlock/analysis/pair_correlation.hpp"
+#include "gridlock/analysis/strings.hpp"
+#include "gridlock/analysis/van_hove.hpp"
 #include "gridlock/analysis/voronoi.hpp"
 #include "gridlock/observe/clusters.hpp"
 #include "gridlock/observe/observable.hpp"
@@ -30,21 +33,41 @@ std::span<std::uint32_t const> span_of(std::optional<Kinds> const& kinds) {
   return kinds ? std::span(kinds->data(), kinds->shape(0)) : std::span<std::uint32_t const>{};
 }
 
+TrajectoryInMemory trajectory_of(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds) {
+  return {.positions = positions.data(),
+          .frames = positions.shape(0),
+          .agents = positions.shape(1),
+          .times = std::span(times.data(), times.shape(0)),
+          .kinds = span_of(kinds)};
+}
+
+/// The values and the errors, or NaN, of estimates.
+class Curves {
+ public:
+  void add(Estimate const& estimate) {
+    values_.push_back(estimate.value);
+    errors_.push_back(estimate.error.value_or(no_value));
+  }
+  void add(std::vector<Estimate> const& estimates) {
+    for (Estimate const& estimate : estimates) add(estimate);
+  }
+  auto values(std::initializer_list<std::size_t> shape) { return nb::cast(owned_array(std::move(values_), shape)); }
+  auto errors(std::initializer_list<std::size_t> shape) { return nb::cast(owned_array(std::move(errors_), shape)); }
+
+ private:
+  std::vector<double> values_;
+  std::vector<double> errors_;
+};
+
 /// Returns a curve of all kinds as two arrays of shape (kinds, lags): values, and errors or NaN.
-template <class Curves, class Of>
-nb::object arrays_of(Curves const& of_kinds, std::vector<Estimate> Of::*curve) {
+template <class All, class Of>
+nb::object arrays_of(All const& of_kinds, std::vector<Estimate> Of::*curve) {
   std::size_t const kinds = of_kinds.size();
   std::size_t const lags = (of_kinds.front().*curve).size();
   if (lags == 0) return nb::none();
-  std::vector<double> values;
-  std::vector<double> errors;
-  for (Of const& of_kind : of_kinds) {
-    for (Estimate const& estimate : of_kind.*curve) {
-      values.push_back(estimate.value);
-      errors.push_back(estimate.error.value_or(no_value));
-    }
-  }
-  return nb::make_tuple(owned_array(std::move(values), {kinds, lags}), owned_array(std::move(errors), {kinds, lags}));
+  Curves curves;
+  for (Of const& of_kind : of_kinds) curves.add(of_kind.*curve);
+  return nb::make_tuple(curves.values({kinds, lags}), curves.errors({kinds, lags}));
 }
 
 using Begins = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -83,12 +106,7 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
                               .keeps_drift = keeps_drift,
                               .threads = threads};
     if (surroundings) settings.neighbours = finder(*surroundings, positions, threads);
-    found = find_dynamics({.positions = positions.data(),
-                           .frames = positions.shape(0),
-                           .agents = positions.shape(1),
-                           .times = std::span(times.data(), times.shape(0)),
-                           .kinds = span_of(kinds)},
-                          settings);
+    found = find_dynamics(trajectory_of(positions, times, kinds), settings);
   }
   NamedValues result;
   result["msd"] = arrays_of(found.kinds, &DynamicsOfKind::squared_displacement);
@@ -101,6 +119,103 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
   result["origins"] = owned_array(std::move(found.origins));
   result["independent_origins"] = owned_array(std::move(found.independent_origins));
   return result;
+}
+
+/// Returns wave number, number of wave vectors, lags, origins, independent origins, and F and its errors of shape
+/// (kinds, kinds, lags).
+auto collective_scattering(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
+                           BoxValues const& box, double wave_number, double width, std::size_t max_lags,
+                           std::uint64_t threads) {
+  CollectiveScattering found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_collective_scattering(
+        box_of(box), trajectory_of(positions, times, kinds),
+        {.wave_number = wave_number, .width = width, .max_lags = max_lags, .threads = threads});
+  }
+  std::initializer_list<std::size_t> const shape{found.kinds, found.kinds, found.lag.size()};
+  Curves curves;
+  curves.add(found.scattering);
+  return nb::make_tuple(found.wave_number, found.vectors, owned_array(std::move(found.lag)),
+                        owned_array(std::move(found.origins)), owned_array(std::move(found.independent_origins)),
+                        curves.values(shape), curves.errors(shape));
+}
+
+/// The lag, the origins and the independent origins of each lag.
+struct LagsOfPython {
+  std::vector<double> lag;
+  std::vector<std::uint64_t> origins;
+  std::vector<std::uint64_t> independent;
+
+  void add(auto const& at) {
+    lag.push_back(at.lag);
+    origins.push_back(at.origins);
+    independent.push_back(at.independent_origins);
+  }
+};
+
+/// Returns distances, lags, the self part and its errors of shape (lags, kinds, bins), the distinct part and its errors
+/// of shape (lags, kinds, kinds, bins) or nothing, origins and independent origins.
+auto van_hove(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
+              std::optional<BoxValues> const& box, Numbers const& lags, double range, std::size_t bins,
+              std::size_t max_origins, std::uint64_t threads) {
+  VanHove found;
+  {
+    nb::gil_scoped_release const released;
+    VanHoveSettings settings{.lags = {lags.data(), lags.data() + lags.shape(0)},
+                             .range = range,
+                             .bins = bins,
+                             .max_origins = max_origins,
+                             .threads = threads};
+    if (box) settings.box = box_of(*box);
+    found = find_van_hove(trajectory_of(positions, times, kinds), settings);
+  }
+  Curves self, distinct;
+  LagsOfPython of_lags;
+  for (VanHoveAtLag const& at : found.lags) {
+    self.add(at.self);
+    distinct.add(at.distinct);
+    of_lags.add(at);
+  }
+  std::size_t const count = found.lags.size();
+  nb::object others = nb::none(), other_errors = nb::none();
+  if (box) {
+    others = distinct.values({count, found.kinds, found.kinds, bins});
+    other_errors = distinct.errors({count, found.kinds, found.kinds, bins});
+  }
+  return nb::make_tuple(owned_array(std::move(found.distance)), owned_array(std::move(of_lags.lag)),
+                        self.values({count, found.kinds, bins}), self.errors({count, found.kinds, bins}), others,
+                        other_errors, owned_array(std::move(of_lags.origins)),
+                        owned_array(std::move(of_lags.independent)));
+}
+
+/// Returns lags, mean lengths and their errors, weighted lengths and theirs, the numbers of strings of each length for
+/// each lag, the number of mobile agents, origins and independent origins.
+auto string_lengths(Frames const& positions, Numbers const& times, std::optional<BoxValues> const& box,
+                    Numbers const& lags, double distance, double mobile_share, std::size_t max_origins) {
+  Strings found;
+  {
+    nb::gil_scoped_release const released;
+    StringSettings settings{.lags = {lags.data(), lags.data() + lags.shape(0)},
+                            .mobile_share = mobile_share,
+                            .distance = distance,
+                            .max_origins = max_origins};
+    if (box) settings.box = box_of(*box);
+    found = find_strings(trajectory_of(positions, times, std::nullopt), settings);
+  }
+  Curves mean, weighted;
+  LagsOfPython of_lags;
+  nb::list strings;
+  for (StringsAtLag& at : found.lags) {
+    mean.add(at.mean_length);
+    weighted.add(at.weighted_length);
+    of_lags.add(at);
+    strings.append(owned_array(std::move(at.strings)));
+  }
+  std::size_t const count = found.lags.size();
+  return nb::make_tuple(owned_array(std::move(of_lags.lag)), mean.values({count}), mean.errors({count}),
+                        weighted.values({count}), weighted.errors({count}), strings, found.mobile_agents,
+                        owned_array(std::move(of_lags.origins)), owned_array(std::move(of_lags.independent)));
 }
 
 /// Returns distances of shape (bins,) and g(r) of shape (kinds, kinds, bins).
@@ -166,6 +281,14 @@ void bind_analysis(nb::module_& module) {
   module.def("dynamics", &dynamics, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
              nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("most_lags"), nb::arg("keeps_drift"),
              nb::arg("threads"), nb::arg("surroundings").none());
+  module.def("collective_scattering", &collective_scattering, nb::arg("positions"), nb::arg("times"),
+             nb::arg("kinds").none(), nb::arg("box"), nb::arg("wave_number"), nb::arg("width"), nb::arg("most_lags"),
+             nb::arg("threads"));
+  module.def("van_hove", &van_hove, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
+             nb::arg("box").none(), nb::arg("lags"), nb::arg("range"), nb::arg("bins"), nb::arg("most_origins"),
+             nb::arg("threads"));
+  module.def("string_lengths", &string_lengths, nb::arg("positions"), nb::arg("times"), nb::arg("box").none(),
+             nb::arg("lags"), nb::arg("distance"), nb::arg("mobile_share"), nb::arg("most_origins"));
   module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
              nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
   module.def("clusters", &clusters, nb::arg("count"), nb::arg("i"), nb::arg("j"));

@@ -227,6 +227,20 @@ def test_series_and_curves_are_those_of_the_run(simulation):
     assert [text.get_text() for text in speeds.get_legend().get_texts()] == ["measured", "Maxwell"]
 
 
+def test_curves_of_dynamics_are_drawn_against_the_logarithm_of_the_lag():
+    walk = np.random.default_rng(1).uniform(0, 9, (12, 2)) + np.random.default_rng(2).normal(size=(20, 12, 2)).cumsum(axis=0)
+    kinds = np.arange(12) % 2
+    found = gridlock.dynamics(walk, kinds=kinds, overlap_length=1.5)
+    axes = gridlock.plot.dynamics(found, "susceptibility", labels=["small", "large"])
+    assert [line.get_label() for line in axes.lines] == ["small", "large"] and axes.get_xscale() == "log"
+    assert axes.lines[1].get_ydata()[:5] == pytest.approx(found.susceptibility[1, :5])
+    waves = gridlock.collective_scattering(walk, box=9.0, q=1.0, kinds=kinds)
+    drawn = gridlock.plot.dynamics(waves, "scattering").lines
+    assert drawn[1].get_ydata() == pytest.approx(waves.scattering[1, 1, 1:]) and drawn[0].get_xdata()[0] == 1.0
+    with pytest.raises(gridlock.Error, match="no curve scattering"):
+        gridlock.plot.dynamics(found, "scattering")
+
+
 def test_errors_are_as_wide_as_they_are():
     from matplotlib.figure import Figure
 

@@ -13,7 +13,7 @@ namespace {
 
 using Two = double __attribute__((vector_size(2 * sizeof(double))));
 
-Two load(double const* xy) {
+Two load_two(double const* xy) {
   Two two;
   std::memcpy(&two, xy, sizeof two);
   return two;
@@ -47,10 +47,10 @@ void Cages::find_relative_positions(double const* positions, std::size_t first, 
     std::size_t const i = agents_[first + k];
     std::uint64_t const neighbours = begin_[first + k + 1] - begin_[first + k];
     Two sum{};
-    for (std::uint64_t n = 0; n < neighbours; ++n) sum += load(positions + 2 * std::size_t{neighbour[n]});
+    for (std::uint64_t n = 0; n < neighbours; ++n) sum += load_two(positions + 2 * std::size_t{neighbour[n]});
     neighbour += neighbours;
     Two const middle = neighbours == 0 ? Two{drift.x, drift.y} : sum / static_cast<double>(neighbours);
-    Two const relative = load(positions + 2 * i) - middle;
+    Two const relative = load_two(positions + 2 * i) - middle;
     x[k] = relative[0];
     y[k] = relative[1];
   }

@@ -54,9 +54,9 @@ struct CollectiveScattering {
 /// 1/N. Errors are those of find_dynamics(): from origins whose intervals do not overlap.
 /// Errors: Error for those of find_dynamics(), a box that is not periodic, a ring without wave vectors, and more than
 /// 10⁸ waves of all frames and kinds. The result does not depend on the number of threads.
-/// Cost: COST2 ns a frame, agent and wave vector, and 1 ns a pair of frames, wave vector and pair of kinds. Memory: 16
-/// bytes a frame, wave vector and kind. Source: J.-P. Hansen & I. R. McDonald, Theory of Simple Liquids (2013), chapter
-/// 7.
+/// Cost: 2 ns a frame, agent, and wave vector or row or column of wave vectors; 1 ns a pair of frames, wave vector and
+/// pair of kinds. Memory: 16 bytes a frame, wave vector and kind.
+/// Source: J.-P. Hansen & I. R. McDonald, Theory of Simple Liquids (2013), chapter 7.
 CollectiveScattering find_collective_scattering(Box const& box, TrajectoryInMemory const& trajectory,
                                                 CollectiveScatteringSettings const& settings);
 

