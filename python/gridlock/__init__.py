@@ -27,7 +27,7 @@ from .analysis import (
 )
 from .box import Box
 from .combine import Combined, combine
-from .dynamics import Dynamics, diffusion_coefficient, dynamics
+from .dynamics import Dynamics, diffusion_coefficient, dynamics, shear_viscosity
 from .errors import Error, Problem, RunFailure
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification, read_xyz, verify
 from .files import open as open
@@ -47,7 +47,7 @@ __all__ = [
     "SpectralDensity", "Start", "StringLengths", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi",
     "World", "bond_orientation", "clusters", "collective_scattering", "combine", "contacts", "density_profile", "diffusion_coefficient", "dynamics",
     "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
-    "separations", "spectral_density", "string_lengths", "structure_factor", "sweep", "van_hove", "verify", "voronoi",
+    "separations", "shear_viscosity", "spectral_density", "string_lengths", "structure_factor", "sweep", "van_hove", "verify", "voronoi",
 ]
 
 

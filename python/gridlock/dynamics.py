@@ -204,6 +204,58 @@ def diffusion_coefficient(
     return Result(float(slope @ y), float(max(together, apart)), "length² / time")
 
 
+def shear_viscosity(
+    times: ArrayLike,
+    stress: ArrayLike,
+    *,
+    area: float,
+    temperature: float,
+    start: float,
+    end: float | None = None,
+    lags: int = 100,
+) -> Result:
+    """The shear viscosity η of a fluid at rest, from the fluctuations of its stress (Helfand's formula).
+
+    η = d⟨ΔG²⟩/dt / (2 A kT) with G(t) = A ∫ σ dt, for one or several stresses σ that are equal by symmetry, σ_xy and (σ_xx − σ_yy) / 2,
+    over all time origins; the integral is that of straight lines between the samples.
+
+    :param times: shape (n,), those of the samples: dense enough for the stress to change little from one to the next.
+    :param stress: shape (n,), or (k, n) for k stresses; ``run.series["stress_xy"]`` of the engine ``soft``, in equilibrium and without flow.
+    :param area: that of the box.
+    :param temperature: kT.
+    :param start, end: the lags between which ⟨ΔG²⟩ is fitted by a straight line: ``start`` beyond the time for which stresses remember
+        each other, below which η is too small; ``end`` a tenth of all where left out.
+    :param lags: how many lags are used, evenly in their logarithm.
+    :returns: η with one standard error, in mass / time. Runs of several seeds tell more: :func:`combine`.
+    :raises Error: for times that do not ascend, and fewer than two lags between start and end.
+
+    Cost: n · lags · 1 ns. Source: E. Helfand (1960), doi:10.1103/PhysRev.119.1; for (σ_xx − σ_yy) / 2 P. J. Daivis, D. J. Evans (1994),
+    doi:10.1063/1.466970.
+
+    A stress that forgets itself at a rate of 1, with a variance of 2 in an area of 3 at kT = 1: η = 3 · 2.
+
+    >>> random, stress = np.random.default_rng(1), np.zeros((2, 40000))
+    >>> for k in range(1, 40000):
+    ...     stress[:, k] = np.exp(-0.1) * stress[:, k - 1] + np.sqrt(2 * (1 - np.exp(-0.2))) * random.normal(size=2)
+    >>> eta = shear_viscosity(0.1 * np.arange(40000), stress, area=3.0, temperature=1.0, start=5.0, end=40.0)
+    >>> bool(abs(eta.value - 6) < 3 * eta.error), eta.unit
+    (True, 'mass / time')
+    """
+    hint = "use arrays of one length: times, and the stress at each"
+    t = as_numbers(times, "the times", (None,), hint)
+    stresses = as_numbers([stress] if np.ndim(stress) == 1 else stress, "the stresses", (None, len(t)), hint)
+    size, kt = as_number(area, "the area"), as_number(temperature, "the temperature")
+    if len(stresses) == 0 or len(t) < 2:
+        raise Error(f"there are {len(stresses)} stresses at {len(t)} times\n  hint: {hint}")
+    moments = np.zeros((len(t), len(stresses), 2))  # as agents that move along x alone
+    moments[1:, :, 0] = (0.5 * size * np.diff(t) * (stresses[:, 1:] + stresses[:, :-1])).cumsum(axis=1).T
+    found = dynamics(moments, t, lags=lags)
+    last = end if end is not None else 0.1 * (t[-1] - t[0])
+    slope = diffusion_coefficient(found.lag, found.msd, found.msd_error, start=start, end=last)
+    scale = 2.0 / (size * kt)
+    return Result(scale * slope.value, None if slope.error is None else scale * slope.error, "mass / time")
+
+
 def _line(t: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """What each point contributes to the slope of the straight line of least squares."""
     middle = weights @ t / weights.sum()

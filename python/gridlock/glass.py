@@ -204,10 +204,10 @@ def string_lengths(
     array([2.])
     """
     array = as_trajectory(positions)
-    found = _core.string_lengths(
+    lag, mean, mean_error, weighted, weighted_error, lengths, mobile_agents, used, independent = _core.string_lengths(
         array, as_times(times, len(array)), as_box(box), _as_lags(lags), as_number(distance, "the distance"),
-        as_number(mobile, "mobile", "use a share of the agents, above 0 and at most 1"), 0 if origins is None else as_count(origins, "origins"))
-    lengths = found[5]
+        as_number(mobile, "mobile", "use a share of the agents, above 0 and at most 1"),
+        0 if origins is None else as_count(origins, "origins"))
     longest = max(map(len, lengths), default=0)
     strings = np.array([np.pad(counts, (0, longest - len(counts))) for counts in lengths]).reshape(len(lengths), longest)
-    return StringLengths(*found[:5], strings, *found[6:])
+    return StringLengths(lag, mean, mean_error, weighted, weighted_error, strings, mobile_agents, used, independent)

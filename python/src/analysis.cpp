@@ -136,9 +136,9 @@ auto collective_scattering(Frames const& positions, Numbers const& times, std::o
   std::initializer_list<std::size_t> const shape{found.kinds, found.kinds, found.lag.size()};
   Curves curves;
   curves.add(found.scattering);
-  return nb::make_tuple(found.wave_number, found.vectors, owned_array(std::move(found.lag)),
-                        owned_array(std::move(found.origins)), owned_array(std::move(found.independent_origins)),
-                        curves.values(shape), curves.errors(shape));
+  return std::make_tuple(found.wave_number, found.vectors, owned_array(std::move(found.lag)),
+                         owned_array(std::move(found.origins)), owned_array(std::move(found.independent_origins)),
+                         curves.values(shape), curves.errors(shape));
 }
 
 /// The lag, the origins and the independent origins of each lag.
@@ -183,10 +183,10 @@ auto van_hove(Frames const& positions, Numbers const& times, std::optional<Kinds
     others = distinct.values({count, found.kinds, found.kinds, bins});
     other_errors = distinct.errors({count, found.kinds, found.kinds, bins});
   }
-  return nb::make_tuple(owned_array(std::move(found.distance)), owned_array(std::move(of_lags.lag)),
-                        self.values({count, found.kinds, bins}), self.errors({count, found.kinds, bins}), others,
-                        other_errors, owned_array(std::move(of_lags.origins)),
-                        owned_array(std::move(of_lags.independent)));
+  return std::make_tuple(owned_array(std::move(found.distance)), owned_array(std::move(of_lags.lag)),
+                         self.values({count, found.kinds, bins}), self.errors({count, found.kinds, bins}), others,
+                         other_errors, owned_array(std::move(of_lags.origins)),
+                         owned_array(std::move(of_lags.independent)));
 }
 
 /// Returns lags, mean lengths and their errors, weighted lengths and theirs, the numbers of strings of each length for
@@ -205,17 +205,17 @@ auto string_lengths(Frames const& positions, Numbers const& times, std::optional
   }
   Curves mean, weighted;
   LagsOfPython of_lags;
-  nb::list strings;
+  std::vector<decltype(owned_array(std::vector<double>{}))> strings;
   for (StringsAtLag& at : found.lags) {
     mean.add(at.mean_length);
     weighted.add(at.weighted_length);
     of_lags.add(at);
-    strings.append(owned_array(std::move(at.strings)));
+    strings.push_back(owned_array(std::move(at.strings)));
   }
   std::size_t const count = found.lags.size();
-  return nb::make_tuple(owned_array(std::move(of_lags.lag)), mean.values({count}), mean.errors({count}),
-                        weighted.values({count}), weighted.errors({count}), strings, found.mobile_agents,
-                        owned_array(std::move(of_lags.origins)), owned_array(std::move(of_lags.independent)));
+  return std::make_tuple(owned_array(std::move(of_lags.lag)), mean.values({count}), mean.errors({count}),
+                         weighted.values({count}), weighted.errors({count}), strings, found.mobile_agents,
+                         owned_array(std::move(of_lags.origins)), owned_array(std::move(of_lags.independent)));
 }
 
 /// Returns distances of shape (bins,) and g(r) of shape (kinds, kinds, bins).

@@ -125,7 +125,34 @@ def test_points_of_a_diffusion_coefficient_count_by_their_errors():
     assert gridlock.diffusion_coefficient(lag, msd).value == pytest.approx(np.polyfit(lag, msd, 1)[0] / 4, rel=1e-9)
 
 
+def noisy_stress(count, length, rate, seed):
+    """Stresses of variance 1 that forget themselves at a rate, exactly, at times 0.1 apart."""
+    random = np.random.default_rng(seed)
+    keeps = np.exp(-0.1 * rate)
+    stress = random.normal(size=(length, count))
+    for k in range(1, length):
+        stress[k] = keeps * stress[k - 1] + np.sqrt(1 - keeps**2) * stress[k]
+    return stress.T
+
+
+def test_viscosity_is_the_integral_of_the_correlation_of_the_stress():
+    # η = A/kT ∫ ⟨σ(0)σ(t)⟩ dt = A/(kT rate); straight lines between samples miss (rate · 0.1)²/12 of it.
+    z = []
+    for seed in range(30):
+        stress = noisy_stress(2, 4000, 2.0, seed)
+        found = gridlock.shear_viscosity(0.1 * np.arange(4000), stress, area=3.0, temperature=0.5, start=2.5, end=15.0, lags=30)
+        z.append((found.value - 3.0) / found.error)
+    assert 0.4 < np.std(z) < 1.4 and abs(np.mean(z)) < 0.5
+    one = gridlock.shear_viscosity(0.1 * np.arange(4000), stress[0], area=3.0, temperature=0.5, start=2.5, end=15.0, lags=30)
+    two = gridlock.shear_viscosity(0.1 * np.arange(4000), stress[1], area=3.0, temperature=0.5, start=2.5, end=15.0, lags=30)
+    assert found.value == pytest.approx(0.5 * (one.value + two.value), rel=0.05) and found.unit == "mass / time"
+
+
 @pytest.mark.parametrize("call", [
+    lambda: gridlock.shear_viscosity([0.0, 1.0], [[1.0]], area=1.0, temperature=1.0, start=0.1),
+    lambda: gridlock.shear_viscosity([0.0], [1.0], area=1.0, temperature=1.0, start=0.1),
+    lambda: gridlock.shear_viscosity(np.arange(9.0), np.ones(9), area=0.0, temperature=1.0, start=0.1),
+    lambda: gridlock.shear_viscosity(np.arange(9.0), np.ones(9), area=1.0, temperature=1.0, start=8.0),
     lambda: gridlock.dynamics([[1.0, 2.0]]),
     lambda: gridlock.dynamics(np.zeros((1, 3, 2))),
     lambda: gridlock.dynamics(np.zeros((3, 0, 2))),

@@ -47,6 +47,8 @@ def public(tmp_path):
         gridlock.structure_factor(points, box, largest_q=50.0), gridlock.dynamics(series), gridlock.contacts(points, 0.004, box, stiffness=False),
         gridlock.spectral_density(points, 0.004, box, largest_q=50.0), gridlock.density_profile(points, box, bins=2000), gridlock.combine([(points, points), (points, points)]),
         gridlock.FrameContacts(run.final.clock, np.zeros((9000, 2), dtype=np.uint64), np.zeros(9000)),
+        gridlock.collective_scattering(series, box=box, q=30.0), gridlock.van_hove(series, lags=1.0, range=0.1),
+        gridlock.string_lengths(series, lags=1.0, distance=0.01),
         simulation, simulation.agents, simulation.clock, simulation.columns[0], Crowd(), Crowd.count, *shown, gridlock.Error("wrong"),
     ]
 
