@@ -144,7 +144,7 @@ def van_hove(
         0 if origins is None else as_count(origins, "origins"), as_threads(threads))
     if labels is None:
         own, own_error = own[:, 0], own_error[:, 0]
-        if others is not None:
+        if others is not None and others_error is not None:
             others, others_error = others[:, 0, 0], others_error[:, 0, 0]
     return VanHove(distance, lag, own, own_error, others, others_error, used, independent)
 

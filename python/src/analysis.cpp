@@ -51,8 +51,8 @@ class Curves {
   void add(std::vector<Estimate> const& estimates) {
     for (Estimate const& estimate : estimates) add(estimate);
   }
-  auto values(std::initializer_list<std::size_t> shape) { return nb::cast(owned_array(std::move(values_), shape)); }
-  auto errors(std::initializer_list<std::size_t> shape) { return nb::cast(owned_array(std::move(errors_), shape)); }
+  auto values(std::initializer_list<std::size_t> shape) { return owned_array(std::move(values_), shape); }
+  auto errors(std::initializer_list<std::size_t> shape) { return owned_array(std::move(errors_), shape); }
 
  private:
   std::vector<double> values_;
@@ -178,15 +178,12 @@ auto van_hove(Frames const& positions, Numbers const& times, std::optional<Kinds
     of_lags.add(at);
   }
   std::size_t const count = found.lags.size();
-  nb::object others = nb::none(), other_errors = nb::none();
-  if (box) {
-    others = distinct.values({count, found.kinds, found.kinds, bins});
-    other_errors = distinct.errors({count, found.kinds, found.kinds, bins});
-  }
+  std::initializer_list<std::size_t> const shape{box ? count : 0, found.kinds, found.kinds, bins};
+  auto const where_box = [&](auto values) { return box ? std::optional(std::move(values)) : std::nullopt; };
   return std::make_tuple(owned_array(std::move(found.distance)), owned_array(std::move(of_lags.lag)),
-                         self.values({count, found.kinds, bins}), self.errors({count, found.kinds, bins}), others,
-                         other_errors, owned_array(std::move(of_lags.origins)),
-                         owned_array(std::move(of_lags.independent)));
+                         self.values({count, found.kinds, bins}), self.errors({count, found.kinds, bins}),
+                         where_box(distinct.values(shape)), where_box(distinct.errors(shape)),
+                         owned_array(std::move(of_lags.origins)), owned_array(std::move(of_lags.independent)));
 }
 
 /// Returns lags, mean lengths and their errors, weighted lengths and theirs, the numbers of strings of each length for

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 #include "analysis/bessel_table.hpp"
@@ -191,23 +190,21 @@ class Walk {
                                   std::vector<SumsOfLags>& sums) const {
     std::vector<Cursor> next(lags_.size());
     for (std::size_t origin = 0; origin + 1 < trajectory_.frames; ++origin) {
-      auto const begins_here = [&](std::size_t l) {
-        return next[l].pair < lags_[l].size() && lags_[l][next[l].pair].first == origin;
-      };
-      if (std::ranges::none_of(std::views::iota(std::size_t{0}, lags_.size()), begins_here)) continue;
+      std::vector<std::size_t> here;  // the lags that have a pair with this origin
+      for (std::size_t l = 0; l < lags_.size(); ++l) {
+        if (next[l].pair < lags_[l].size() && lags_[l][next[l].pair].first == origin) here.push_back(l);
+      }
+      if (here.empty()) continue;
       NeighbourLists const neighbours = settings_.neighbours(origin);
       require_lists(neighbours, trajectory_.agents, origin);
       for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
-        CagesAtOrigin at_origin{.cages = Cages(neighbours, kinds[kind])};
-        at_origin.cages.find_relative_positions(frame_at(origin), 0, at_origin.cages.size(), drift_[origin],
-                                                at_origin.x.data(), at_origin.y.data());
-        pool.for_each(lags_.size(), [&](std::size_t l) {
-          if (begins_here(l)) add_relative(at_origin, l, next[l], sums[kind][l]);
-        });
+        CagesAtOrigin from{.cages = Cages(neighbours, kinds[kind])};
+        from.cages.find_relative_positions(frame_at(origin), 0, from.cages.size(), drift_[origin], from.x.data(),
+                                           from.y.data());
+        pool.for_each(here.size(),
+                      [&](std::size_t k) { add_relative(from, here[k], next[here[k]], sums[kind][here[k]]); });
       }
-      for (std::size_t l = 0; l < lags_.size(); ++l) {
-        if (begins_here(l)) advance(next[l], l);
-      }
+      for (std::size_t const l : here) advance(next[l], l);
     }
   }
 

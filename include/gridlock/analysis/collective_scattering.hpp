@@ -49,10 +49,10 @@ struct CollectiveScattering {
 ///
 ///     F_ab(q, t) = Re ⟨ρ_a(t₀ + t) ρ_b*(t₀)⟩ / √(N_a N_b),   ρ_a(t) = Σ exp(i q·r(t)) over the agents of kind a
 ///
-/// over time origins and the wave vectors q of the box with | |q| − wave_number | ≤ width / 2. F_ab(q, 0) = S_ab(q); for
-/// independent agents F_aa(q, t) = F_s(q, t) and F_ab = 0. Where all momentum is conserved, corrections are of order
-/// 1/N. Errors are those of find_dynamics(): from origins whose intervals do not overlap.
-/// Errors: Error for those of find_dynamics(), a box that is not periodic, a ring without wave vectors, and more than
+/// over time origins and the wave vectors q of the box with | |q| − wave_number | ≤ width / 2. F_ab(q, 0) = S_ab(q).
+/// For independent agents F_aa(q, t) = F_s(q, t) and F_ab = 0; where momentum is conserved, corrections are of order
+/// 1/N. The errors are those of find_dynamics(): from origins whose intervals do not overlap.
+/// Errors: those of find_dynamics(); Error for a box that is not periodic, a ring without wave vectors, and more than
 /// 10⁸ waves of all frames and kinds. The result does not depend on the number of threads.
 /// Cost: 2 ns a frame, agent, and wave vector or row or column of wave vectors; 1 ns a pair of frames, wave vector and
 /// pair of kinds. Memory: 16 bytes a frame, wave vector and kind.
