@@ -130,7 +130,7 @@ def dynamics(
         0.0 if q is None else as_number(q, "q"),
         0.0 if overlap_length is None else as_number(overlap_length, "overlap_length"),
         0 if lags is None else as_count(lags, "lags"),
-        bool(drift), as_threads(threads), _surroundings(neighbors, box, frames, count))
+        bool(drift), as_threads(threads), _neighbourhood(neighbors, box, frames, count))
     curves: dict[str, NDArray[np.float64] | None] = {}
     for name in ("msd", "non_gaussian", "scattering", "overlap", "susceptibility", "total_susceptibility"):
         value, error = (None, None) if found[name] is None else found[name]
@@ -141,7 +141,7 @@ def dynamics(
                     **curves)  # type: ignore[arg-type]
 
 
-def _surroundings(
+def _neighbourhood(
     neighbors: float | str | Neighbors | Sequence[Neighbors] | None, box: BoxLike, frames: int, count: int
 ) -> tuple[float, BoxValues | None, list[Neighbors]] | None:
     """The cutoff, 0 for Voronoi neighbours; the box; and the neighbours of each frame where they are given."""

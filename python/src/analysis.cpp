@@ -73,13 +73,13 @@ nb::object arrays_of(All const& of_kinds, std::vector<Estimate> Of::*curve) {
 using Begins = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 /// The neighbours that displacements are relative to: those within a cutoff, Voronoi neighbours where the cutoff is 0,
 /// or lists of every frame.
-using Surroundings = std::tuple<double, std::optional<BoxValues>, std::vector<std::pair<Begins, Kinds>>>;
+using Neighbourhood = std::tuple<double, std::optional<BoxValues>, std::vector<std::pair<Begins, Kinds>>>;
 
 /// Returns the neighbours of all agents in a frame.
-std::function<NeighbourLists(std::size_t)> finder(Surroundings const& surroundings, Frames const& positions,
+std::function<NeighbourLists(std::size_t)> finder(Neighbourhood const& neighbourhood, Frames const& positions,
                                                   std::uint64_t threads) {
   return [&, threads](std::size_t frame) -> NeighbourLists {
-    auto const& [cutoff, sides, lists] = surroundings;
+    auto const& [cutoff, sides, lists] = neighbourhood;
     if (!lists.empty()) {
       auto const& [begin, neighbours] = lists[frame];
       return {.begin = {begin.data(), begin.data() + begin.shape(0)},
@@ -96,7 +96,7 @@ std::function<NeighbourLists(std::size_t)> finder(Surroundings const& surroundin
 
 NamedValues dynamics(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
                      double wave_number, double overlap_length, std::size_t max_lags, bool keeps_drift,
-                     std::uint64_t threads, std::optional<Surroundings> const& surroundings) {
+                     std::uint64_t threads, std::optional<Neighbourhood> const& neighbourhood) {
   Dynamics found;
   {
     nb::gil_scoped_release const released;
@@ -105,7 +105,7 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
                               .max_lags = max_lags,
                               .keeps_drift = keeps_drift,
                               .threads = threads};
-    if (surroundings) settings.neighbours = finder(*surroundings, positions, threads);
+    if (neighbourhood) settings.neighbours = finder(*neighbourhood, positions, threads);
     found = find_dynamics(trajectory_of(positions, times, kinds), settings);
   }
   NamedValues result;
@@ -277,7 +277,7 @@ auto combine_runs(ValuesOfRuns const& values, ValuesOfRuns const& errors) {
 void bind_analysis(nb::module_& module) {
   module.def("dynamics", &dynamics, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
              nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("most_lags"), nb::arg("keeps_drift"),
-             nb::arg("threads"), nb::arg("surroundings").none());
+             nb::arg("threads"), nb::arg("neighbourhood").none());
   module.def("collective_scattering", &collective_scattering, nb::arg("positions"), nb::arg("times"),
              nb::arg("kinds").none(), nb::arg("box"), nb::arg("wave_number"), nb::arg("width"), nb::arg("most_lags"),
              nb::arg("threads"));

@@ -26,7 +26,7 @@ Agents mobile_agents(TrajectoryInMemory const& trajectory, std::size_t first, st
   Agents order(trajectory.agents);
   std::iota(order.begin(), order.end(), 0U);
   auto const moved_farther = [&](std::uint32_t i, std::uint32_t j) {
-    return squares[i] > squares[j] || (squares[i] == squares[j] && i < j);
+    return squares[i] > squares[j] || (i < j && squares[i] == squares[j]);
   };
   std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(count - 1), moved_farther);
   order.resize(count);
