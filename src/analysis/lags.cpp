@@ -128,7 +128,7 @@ FramesOfLag frames_nearest(std::span<FramesOfLag const> lags, std::span<double c
     throw Error({.what = fmt::format("a lag is {}", lag), .hint = "use times, 0 or above"});
   }
   auto const away = [&](FramesOfLag const& frames) { return std::abs(frames.lag() - lag); };
-  FramesOfLag const found = lag == 0.0 ? FramesOfLag(0.0, 0, times.size()) : *std::ranges::min_element(lags, {}, away);
+  FramesOfLag found = lag == 0.0 ? FramesOfLag(0.0, 0, times.size()) : *std::ranges::min_element(lags, {}, away);
   if (max_origins == 0 || max_origins >= found.size()) return found;
   std::vector<FramesOfLag::Pair> chosen;
   for (std::size_t k = 0; k < max_origins; ++k) {
