@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <cstdio>
 #include <map>
@@ -17,9 +18,10 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/analysis/bond_orientations.hpp"
 #include "gridlock/analysis/spectral_density.hpp"
-#include "gridlock/analysis/voronoi.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/voronoi.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
@@ -111,8 +113,7 @@ Json local_order(Packing const& packing) {
   if (packing.size() < 3) return nullptr;
   VoronoiCells const cells = find_voronoi_cells(packing.box, points_of(packing), 0);
   double sum = 0.0;
-  for (double const order : local_bond_orientation_orders(packing.box, points_of(packing), cells.neighbours))
-    sum += order;
+  for (auto const& order : bond_orientations(packing.box, points_of(packing), cells.neighbours)) sum += std::abs(order);
   return sum / static_cast<double>(packing.size());
 }
 

@@ -1,4 +1,4 @@
-#include "gridlock/analysis/voronoi.hpp"
+#include "gridlock/grid/voronoi.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/voronoi_polygon.hpp"
+#include "grid/voronoi_polygon.hpp"
 #include "gridlock/core/error.hpp"
 #include "unit/analysis/points.hpp"
 
@@ -184,38 +184,6 @@ TEST(VoronoiCells, RefusePointsThatHaveNone) {
   EXPECT_NO_THROW(find_voronoi_cells(Box(1.0, 1.0, Edge::periodic), points.view()));
   points.values[0] = std::nan("");
   EXPECT_THROW(find_voronoi_cells(Box(1.0, 1.0, Edge::periodic), points.view()), Error);
-}
-
-TEST(LocalBondOrientation, LeavesOutThePointItself) {
-  // In a box of few points a point can be its own neighbour, to which there is no direction.
-  std::vector<double> const x{0.1, 0.6}, y{0.2, 0.3};
-  NeighbourLists const neighbours{.begin = {0, 2, 3}, .neighbours = {0, 1, 1}};
-  std::vector<double> const orders = local_bond_orientation_orders(
-      Box(1.5, 1.0, Edge::periodic), {.x = x.data(), .y = y.data(), .count = 2}, neighbours);
-  EXPECT_NEAR(orders[0], 1.0, 1e-12) << "one direction alone";
-  EXPECT_EQ(orders[1], 0.0) << "none at all";
-}
-
-TEST(LocalBondOrientation, OverVoronoiNeighboursIsOneInHexagonsAndSmallInSquares) {
-  std::vector<double> x, y, square_x, square_y;
-  for (int k = 0; k < 64; ++k) {
-    x.push_back(k % 8 + 0.5 * (k / 8 % 2));
-    y.push_back(k / 8 * std::sqrt(0.75));
-    square_x.push_back(k % 8);
-    square_y.push_back(k / 8);
-  }
-  PointsInMemory const hexagons{.x = x.data(), .y = y.data(), .count = 64};
-  Box const box(8.0, 8.0 * std::sqrt(0.75), Edge::periodic);
-  for (double const order :
-       local_bond_orientation_orders(box, hexagons, find_voronoi_cells(box, hexagons).neighbours)) {
-    EXPECT_NEAR(order, 1.0, 1e-12);
-  }
-  PointsInMemory const squares{.x = square_x.data(), .y = square_y.data(), .count = 64};
-  Box const wide(8.0, 8.0, Edge::periodic);
-  for (double const order :
-       local_bond_orientation_orders(wide, squares, find_voronoi_cells(wide, squares).neighbours)) {
-    EXPECT_NEAR(order, 0.0, 1e-12) << "exp(6 i θ) of four neighbours cancel";
-  }
 }
 
 }  // namespace

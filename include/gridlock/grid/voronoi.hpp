@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// The Voronoi cells of points, their areas and neighbours, and the bond orientation order of each point.
+/// The Voronoi cells of points, their areas, neighbours and edges.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.25, 0.75, 0.25, 0.75};
@@ -23,6 +23,7 @@ struct VoronoiCells {
   /// The Voronoi neighbours of each point, counterclockwise; one entry for each edge of the cell.
   NeighbourLists neighbours;
   std::vector<double> areas;
+  std::vector<double> edge_lengths;  ///< of the edge with each entry of `neighbours`
 };
 
 /// Returns the Voronoi cell of every point: the part of the box that is nearer to it than to any other point or image.
@@ -37,15 +38,5 @@ struct VoronoiCells {
 /// ns · N a point if nearly all are on a line or in a small part of the box. Source: G. Voronoi (1908),
 /// doi:10.1515/crll.1908.134.198; cutting cell by cell: C. H. Rycroft (2009), doi:10.1063/1.3215722.
 VoronoiCells find_voronoi_cells(Box const& box, PointsInMemory const& points, std::uint64_t threads = 1);
-
-/// Returns |ψ6| of every point: how well its Voronoi neighbours form a regular hexagon, 1 if they do.
-///
-///     ψ6(j) = (1/n_j) Σ_k exp(6 i θ_jk)
-///
-/// over the n_j Voronoi neighbours k of point j, θ_jk the direction to the nearest image of k. 0 without neighbours.
-/// Contract: `neighbours` comes from find_voronoi_cells() of the points.
-/// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
-std::vector<double> local_bond_orientation_orders(Box const& box, PointsInMemory const& points,
-                                                  NeighbourLists const& neighbours);
 
 }  // namespace gridlock

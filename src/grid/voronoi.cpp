@@ -1,4 +1,4 @@
-#include "gridlock/analysis/voronoi.hpp"
+#include "gridlock/grid/voronoi.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "analysis/voronoi_polygon.hpp"
 #include "grid/require.hpp"
+#include "grid/voronoi_polygon.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/cell_list.hpp"
 
@@ -26,9 +26,10 @@ CellLayout layout_for(Box const& box, std::size_t points) {
   return {box, along(box.width()), along(box.height())};
 }
 
-/// Neighbours, their number, and areas of the points of a band of grid cells, in the order of its rows.
-struct Band {
+/// Neighbours, edges, the number of both, and areas of the points of a band of grid cells, in the order of its rows.
+struct VoronoiBand {
   std::vector<std::uint32_t> neighbours;
+  std::vector<double> edges;
   std::vector<std::uint32_t> counts;
   std::vector<double> areas;
 };
@@ -43,15 +44,18 @@ class CellMaker {
         cell_width_(box.width() / layout_.columns()),
         cell_height_(box.height() / layout_.rows()) {}
 
-  [[nodiscard]] Band make(int first, int end) {
-    Band band;
+  [[nodiscard]] VoronoiBand make(int first, int end) {
+    VoronoiBand band;
     for (int row = first; row < end; ++row) {
       for (int column = 0; column < layout_.columns(); ++column) {
         std::size_t const cell = cell_at(column, row);
         for (std::size_t k = points_.first_of(cell); k < points_.first_of(cell + 1); ++k) {
           make_polygon(k, column, row);
           std::size_t const before = band.neighbours.size();
-          polygon_.for_each_neighbour([&](std::uint32_t neighbour) { band.neighbours.push_back(neighbour); });
+          polygon_.for_each_neighbour([&](std::uint32_t neighbour, double length) {
+            band.neighbours.push_back(neighbour);
+            band.edges.push_back(length);
+          });
           band.counts.push_back(static_cast<std::uint32_t>(band.neighbours.size() - before));
           band.areas.push_back(polygon_.area());
         }
@@ -183,11 +187,12 @@ void require_inside_walls(Box const& box, PointsInMemory const& points) {
 }
 
 /// Returns the lists of all bands in the order of the points.
-VoronoiCells collected(std::vector<Band> const& bands, CellList const& points, std::size_t count) {
+VoronoiCells collected(std::vector<VoronoiBand> const& bands, CellList const& points, std::size_t count) {
   VoronoiCells cells{.neighbours = {.begin = std::vector<std::uint64_t>(count + 1, 0), .neighbours = {}},
-                     .areas = std::vector<double>(count)};
+                     .areas = std::vector<double>(count),
+                     .edge_lengths = {}};
   std::size_t row = 0;
-  for (Band const& band : bands) {
+  for (VoronoiBand const& band : bands) {
     for (std::size_t k = 0; k < band.counts.size(); ++k, ++row) {
       cells.neighbours.begin[points.index(row) + 1] = band.counts[k];
       cells.areas[points.index(row)] = band.areas[k];
@@ -195,32 +200,42 @@ VoronoiCells collected(std::vector<Band> const& bands, CellList const& points, s
   }
   for (std::size_t i = 0; i < count; ++i) cells.neighbours.begin[i + 1] += cells.neighbours.begin[i];
   cells.neighbours.neighbours.resize(cells.neighbours.begin[count]);
+  cells.edge_lengths.resize(cells.neighbours.begin[count]);
   row = 0;
-  for (Band const& band : bands) {
+  for (VoronoiBand const& band : bands) {
     auto from = band.neighbours.begin();
+    auto edge = band.edges.begin();
     for (std::uint32_t const size : band.counts) {
-      std::copy_n(from, size, cells.neighbours.neighbours.data() + cells.neighbours.begin[points.index(row++)]);
+      std::uint64_t const to = cells.neighbours.begin[points.index(row++)];
+      std::copy_n(from, size, cells.neighbours.neighbours.data() + to);
+      std::copy_n(edge, size, cells.edge_lengths.data() + to);
       from += size;
+      edge += size;
     }
   }
   return cells;
 }
 
 /// Removes a neighbour from a list if the neighbour's list lacks the point: their edge is at the tolerance.
-void make_mutual(NeighbourLists& lists) {
+void make_mutual(VoronoiCells& cells) {
+  NeighbourLists const& lists = cells.neighbours;
   std::size_t const count = lists.begin.size() - 1;
   auto const knows = [&](std::uint32_t i, std::uint32_t j) {
     auto const* const all = lists.neighbours.data();
     return std::find(all + lists.begin[i], all + lists.begin[i + 1], j) != all + lists.begin[i + 1];
   };
   NeighbourLists mutual{.begin = {0}, .neighbours = {}};
+  std::vector<double> edges;
   for (std::uint32_t i = 0; i < count; ++i) {
     for (std::uint64_t k = lists.begin[i]; k < lists.begin[i + 1]; ++k) {
-      if (knows(lists.neighbours[k], i)) mutual.neighbours.push_back(lists.neighbours[k]);
+      if (!knows(lists.neighbours[k], i)) continue;
+      mutual.neighbours.push_back(lists.neighbours[k]);
+      edges.push_back(cells.edge_lengths[k]);
     }
     mutual.begin.push_back(mutual.neighbours.size());
   }
-  lists = std::move(mutual);
+  cells.neighbours = std::move(mutual);
+  cells.edge_lengths = std::move(edges);
 }
 
 }  // namespace
@@ -232,10 +247,10 @@ VoronoiCells find_voronoi_cells(Box const& box, PointsInMemory const& points, st
   ThreadPool pool(threads);
   CellList const sorted(layout_for(box, points.count), {}, points, pool);
   std::vector<int> const ends = bands_of(sorted, pool);
-  std::vector<Band> bands(ends.size() - 1);
+  std::vector<VoronoiBand> bands(ends.size() - 1);
   pool.for_each(bands.size(), [&](std::size_t b) { bands[b] = CellMaker(box, sorted).make(ends[b], ends[b + 1]); });
   VoronoiCells cells = collected(bands, sorted, points.count);
-  make_mutual(cells.neighbours);
+  make_mutual(cells);
   return cells;
 }
 

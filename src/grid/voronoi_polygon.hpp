@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -50,12 +51,13 @@ class VoronoiPolygon {
     return 0.5 * twice;
   }
 
-  /// Calls visit(neighbour) for every edge that is at least 10⁻⁹ of the polygon's size long.
+  /// Calls visit(neighbour, length) for every edge that is at least 10⁻⁹ of the polygon's size long.
   template <class Visit>
   void for_each_neighbour(Visit visit) const {
     for (std::size_t k = 0; k < corners_.size(); ++k) {
-      bool const is_edge = squared_length(after(k).at - corners_[k].at) > 1e-18 * squared_radius_;
-      if (is_edge && corners_[k].neighbour != nobody) visit(corners_[k].neighbour);
+      double const square = squared_length(after(k).at - corners_[k].at);
+      bool const is_edge = square > 1e-18 * squared_radius_;
+      if (is_edge && corners_[k].neighbour != nobody) visit(corners_[k].neighbour, std::sqrt(square));
     }
   }
 
