@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "analysis/plane_waves.hpp"
 #include "grid/require.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 
@@ -17,7 +18,6 @@ namespace gridlock {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr std::size_t max_bins_of_spectrum = 10'000'000;
 constexpr double max_vectors = 1e8;
 
@@ -44,57 +44,20 @@ struct SortedDisks {
   }
 };
 
-/// Returns n xy/L_x: in an oblique box the wave vectors of column n are (2π n/L_x, 2π (m − n xy/L_x)/L_y).
-double lean(Box const& box, std::int64_t column) { return static_cast<double>(column) * box.shift() / box.width(); }
-
-/// exp(i q·r_j) of all disks, for the wave vectors of one column, row by row.
-class Waves {
- public:
-  Waves(Box const& box, SortedDisks const& disks, std::int64_t column, std::int64_t row) {
-    for (std::size_t j = 0; j < disks.x.size(); ++j) {
-      double const turn = two_pi / box.height() * disks.y[j];
-      double const start = two_pi / box.width() * static_cast<double>(column) * disks.x[j] +
-                           (static_cast<double>(row) - lean(box, column)) * turn;
-      real_.push_back(std::cos(start));
-      imaginary_.push_back(std::sin(start));
-      step_real_.push_back(std::cos(turn));
-      step_imaginary_.push_back(std::sin(turn));
-    }
-  }
-
-  void next_row() {
-    for (std::size_t j = 0; j < real_.size(); ++j) {
-      double const real = real_[j] * step_real_[j] - imaginary_[j] * step_imaginary_[j];
-      imaginary_[j] = real_[j] * step_imaginary_[j] + imaginary_[j] * step_real_[j];
-      real_[j] = real;
-    }
-  }
-
-  /// Returns |Σ m(q R_j) exp(i q·r_j)|² with m = 2π R J₁(q R)/q.
-  [[nodiscard]] double power(SortedDisks const& disks, double q) const {
-    double real = 0.0;
-    double imaginary = 0.0;
-    for (std::size_t k = 0; k < disks.radii.size(); ++k) {
-      double const radius = disks.radii[k];
-      double const area = two_pi * radius * ::j1(q * radius) / q;
-      double sum_real = 0.0;
-      double sum_imaginary = 0.0;
-      for (std::size_t j = disks.begin[k]; j < disks.begin[k + 1]; ++j) {
-        sum_real += real_[j];
-        sum_imaginary += imaginary_[j];
-      }
+/// Returns |Σ m(q R_j) exp(i q·r_j)|² with m = 2π R J₁(q R)/q.
+double power_of(PlaneWaves const& waves, SortedDisks const& disks, double q) {
+  double real = 0.0;
+  double imaginary = 0.0;
+  for (std::size_t k = 0; k < disks.radii.size(); ++k) {
+    double const radius = disks.radii[k];
+    double const area = two_pi * radius * ::j1(q * radius) / q;
+    waves.sum(disks.begin[k], disks.begin[k + 1], [&](double sum_real, double sum_imaginary) {
       real += area * sum_real;
       imaginary += area * sum_imaginary;
-    }
-    return real * real + imaginary * imaginary;
+    });
   }
-
- private:
-  std::vector<double> real_;
-  std::vector<double> imaginary_;
-  std::vector<double> step_real_;
-  std::vector<double> step_imaginary_;
-};
+  return real * real + imaginary * imaginary;
+}
 
 /// The lengths and the powers of the wave vectors of one column that lie in the rings.
 struct Column {
@@ -112,13 +75,13 @@ Column powers_of_column(Box const& box, SortedDisks const& disks, std::int64_t c
   std::int64_t const last = middle + reach + (lowered == 0.0 ? 0 : 1);
   // Opposite vectors have equal powers, so one of the two is used; 0 is left out.
   std::int64_t const first = column == 0 ? 1 : middle - reach - (lowered == 0.0 ? 0 : 1);
-  Waves waves(box, disks, column, first);
+  PlaneWaves waves(box, disks.x, disks.y, column, first);
   for (std::int64_t row = first; row <= last; ++row) {
     double const along_y = two_pi / box.height() * (static_cast<double>(row) - lowered);
     double const length = std::sqrt(along_x * along_x + along_y * along_y);
     if (length <= largest) {
       found.lengths.push_back(length);
-      found.powers.push_back(waves.power(disks, length));
+      found.powers.push_back(power_of(waves, disks, length));
     }
     waves.next_row();
   }

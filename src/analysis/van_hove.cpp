@@ -7,8 +7,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "analysis/count_pairs.hpp"
 #include "analysis/lags.hpp"
+#include "analysis/pair_histogram.hpp"
 #include "analysis/trajectory.hpp"
 
 namespace gridlock {
@@ -122,9 +122,8 @@ class VanHoveWalk {
     std::copy_n(from + 2 * first * agents, 2 * agents, both.data());
     std::copy_n(from + 2 * second * agents, 2 * agents, both.data() + 2 * agents);
     PointsInMemory const points{.x = both.data(), .y = both.data() + 1, .count = 2 * agents, .stride = 2};
-    require_pair_correlation(*settings_.box, points, rings_.range, rings_.bins, kinds_of_both_);
-    CountedPairs const counted =
-        count_pairs(*settings_.box, points, rings_.range, rings_.bins, kinds_of_both_, settings_.threads);
+    PairSums const sums = sum_over_pairs(*settings_.box, points, PairBins::rings(rings_.range, rings_.bins),
+                                         kinds_of_both_, {}, settings_.threads);
     std::vector<double> own(sizes_.size() * rings_.bins, 0.0);
     for (std::size_t i = 0; i < agents; ++i) {
       rings_.count(settings_.box->displacement(position(first, i), position(second, i)),
@@ -136,7 +135,7 @@ class VanHoveWalk {
         double const pairs = sizes_[a] * (sizes_[b] - (a == b ? 1.0 : 0.0));
         for (std::size_t k = 0; k < rings_.bins; ++k) {
           double const seen =
-              static_cast<double>(counted.of(a, sizes_.size() + b, k)) - (a == b ? own[a * rings_.bins + k] : 0.0);
+              static_cast<double>(sums.between(a, sizes_.size() + b, k)) - (a == b ? own[a * rings_.bins + k] : 0.0);
           values.push_back(seen / (pairs * rings_.area(k) / settings_.box->area()));
         }
       }
