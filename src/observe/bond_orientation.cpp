@@ -19,12 +19,6 @@ namespace {
 /// Returns |z| by operations that every processor and library rounds alike; std::abs() is not one of them.
 double magnitude(std::complex<double> z) { return std::sqrt(z.real() * z.real() + z.imag() * z.imag()); }
 
-double neighbour_distance(Box const& box, std::size_t agents) {
-  double const density = static_cast<double>(agents) / box.area();
-  double const cutoff = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
-  return std::min(cutoff, 0.5 * box.shortest_period());
-}
-
 /// Sums of exp(6 i θ) for each agent, as whole numbers, so that N terms can be added in any order without rounding or
 /// overflow. The unit is 2^(b − 62) with N < 2^b. The error of a component is at most half of that: 1e-13 for a million
 /// agents; below 500 agents it is less than the rounding of the component itself.
@@ -76,6 +70,19 @@ BondSums bonds_of(LocalPoints const& points, std::size_t all) {
 }
 
 }  // namespace
+
+double neighbour_distance(Box const& box, std::size_t agents) {
+  double const density = static_cast<double>(agents) / box.area();
+  double const cutoff = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
+  return std::min(cutoff, 0.5 * box.shortest_period());
+}
+
+std::vector<std::complex<double>> bond_orientations_of(LocalPoints const& points, std::size_t all) {
+  BondSums const bonds = bonds_of(points, all);
+  std::vector<std::complex<double>> orders(points.own());
+  for (std::size_t i = 0; i < orders.size(); ++i) orders[i] = bonds.mean(i);
+  return orders;
+}
 
 std::optional<BondOrientationOrder> bond_orientation_order(Snapshot const& now) {
   std::size_t const all = now.count();

@@ -11,6 +11,8 @@
 
 namespace gridlock {
 
+class LocalPoints;
+
 /// The sixfold order of a state, from 0 to 1.
 struct BondOrientationOrder {
   double global_order = 0.0;
@@ -35,6 +37,13 @@ std::optional<BondOrientationOrder> bond_orientation_order(Snapshot const& now);
 inline std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
   return bond_orientation_order(Snapshot(state, Counters()));
 }
+
+/// Returns the largest distance of two neighbours, 1.5 a or half the shorter side.
+double neighbour_distance(Box const& box, std::size_t agents);
+
+/// Returns ψ6 of each owned point; `all` is the number of points of all processes. Contract: the cutoff of the points
+/// is neighbour_distance().
+std::vector<std::complex<double>> bond_orientations_of(LocalPoints const& points, std::size_t all);
 
 /// Returns |ψ6(j)| of each agent, in the order of the rows. Contract: the agents have x and y.
 std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents);

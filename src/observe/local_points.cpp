@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,10 +16,10 @@ namespace gridlock {
 
 namespace {
 
-/// A point in a message.
+/// Two numbers of a point in a message: its place, or its value.
 struct SentPoint {
-  double x;
-  double y;
+  double first;
+  double second;
   std::uint64_t is_of_rim;
 };
 
@@ -26,41 +27,60 @@ struct SentPoint {
 struct PointsOfCells {
   std::vector<double> x;
   std::vector<double> y;
+  std::vector<std::complex<double>> values;
   std::size_t own = 0;  ///< number of points in the cells themselves
   CellWindow window;    ///< the cells and those around
 };
 
-/// Returns all points in the rectangle of this process and around it within the cutoff; each point is in the rectangle
-/// of one process. (x[i], y[i]) are the points that this process has, anywhere in the box.
-PointsOfCells points_of_rectangle(Communicator& processes, CellLayout const& layout, double cutoff,
-                                  std::span<double const> x, std::span<double const> y) {
-  Domain const domain = Domain::of_cells(processes, layout, cutoff, x, y);
-  // By rounding, a point at the end of a rim may lie in the next cell, so the rim is one cell wider.
-  int const rim = std::max(layout.columns_within(cutoff), layout.rows_within(cutoff)) + 1;
-  PointsOfCells points{.x = {}, .y = {}, .own = 0, .window = domain.own_window(rim)};
+/// Calls take(first, second) for two numbers of each point of a rectangle, then for those of each point around it.
+/// Process by process the points come in the order of x and y, so that a second call gives other numbers of the same
+/// points in the same order. Returns the number of points of the rectangle.
+template <class NumbersOf, class Take>
+std::size_t exchange_points(Communicator& processes, Domain const& domain, PointsInBox const& points,
+                            NumbersOf numbers_of, Take take) {
   std::vector<SentPoint> of_rim;
+  std::size_t own = 0;
   exchange_values<SentPoint>(
-      processes, x.size(),
+      processes, points.x.size(),
       [&](std::size_t i, auto give) {
-        Vector const p{x[i], y[i]};
+        Vector const p = points[i];
+        auto const [first, second] = numbers_of(i);
         std::size_t const owner = domain.owner_of(p);
-        give(owner, SentPoint{p.x, p.y, 0});
+        give(owner, SentPoint{first, second, 0});
         domain.for_each_that_sees(p, [&](std::size_t process) {
-          if (process != owner) give(process, SentPoint{p.x, p.y, 1});
+          if (process != owner) give(process, SentPoint{first, second, 1});
         });
       },
       [&](SentPoint const& point) {
         if (point.is_of_rim != 0) {
           of_rim.push_back(point);
         } else {
-          points.x.push_back(point.x);
-          points.y.push_back(point.y);
+          take(point.first, point.second);
+          ++own;
         }
       });
-  points.own = points.x.size();
-  for (SentPoint const& point : of_rim) {
-    points.x.push_back(point.x);
-    points.y.push_back(point.y);
+  for (SentPoint const& point : of_rim) take(point.first, point.second);
+  return own;
+}
+
+/// Returns all points in the rectangle of this process and around it within the cutoff; each point is in the rectangle
+/// of one process. `given` are the points that this process has, anywhere in the box.
+PointsOfCells points_of_rectangle(Communicator& processes, CellLayout const& layout, double cutoff,
+                                  PointsInBox const& given, std::vector<std::complex<double>> const* values) {
+  Domain const domain = Domain::of_cells(processes, layout, cutoff, given.x, given.y);
+  // By rounding, a point at the end of a rim may lie in the next cell, so the rim is one cell wider.
+  int const rim = std::max(layout.columns_within(cutoff), layout.rows_within(cutoff)) + 1;
+  PointsOfCells points{.x = {}, .y = {}, .values = {}, .own = 0, .window = domain.own_window(rim)};
+  points.own = exchange_points(
+      processes, domain, given, [&](std::size_t i) { return std::pair(given.x[i], given.y[i]); },
+      [&](double x, double y) {
+        points.x.push_back(x);
+        points.y.push_back(y);
+      });
+  if (values != nullptr) {
+    exchange_points(
+        processes, domain, given, [&](std::size_t i) { return std::pair((*values)[i].real(), (*values)[i].imag()); },
+        [&](double real, double imaginary) { points.values.emplace_back(real, imaginary); });
   }
   return points;
 }
@@ -72,18 +92,22 @@ void put_in_order_of_cells(CellLayout const& layout, PointsOfCells& points, std:
     cells[k] = static_cast<std::uint64_t>(layout.cell_of({points.x[first + k], points.y[first + k]}));
   }
   std::vector<std::uint32_t> const order = rows_in_order(cells);
-  for (std::vector<double>* const coordinates : {&points.x, &points.y}) {
-    std::vector<double> const before(coordinates->begin() + static_cast<std::ptrdiff_t>(first),
-                                     coordinates->begin() + static_cast<std::ptrdiff_t>(end));
-    for (std::size_t k = 0; k < order.size(); ++k) (*coordinates)[first + k] = before[order[k]];
-  }
+  auto const reorder = [&](auto& numbers) {
+    auto const begin = numbers.begin() + static_cast<std::ptrdiff_t>(first);
+    std::vector const before(begin, begin + static_cast<std::ptrdiff_t>(order.size()));
+    for (std::size_t k = 0; k < order.size(); ++k) numbers[first + k] = before[order[k]];
+  };
+  reorder(points.x);
+  reorder(points.y);
+  if (!points.values.empty()) reorder(points.values);
 }
 
 }  // namespace
 
 LocalPoints::LocalPoints(Box const& box, std::span<double const> x, std::span<double const> y, double cutoff,
-                         Communicator& processes, std::size_t count)
+                         Communicator& processes, std::size_t count, std::vector<std::complex<double>> const* values)
     : cutoff_(cutoff), points_{box, x, y}, own_(x.size()) {
+  if (values != nullptr) values_ = *values;
   if (box.is_oblique()) {
     oblique_.emplace(box, cutoff, x, y);
     return;
@@ -93,12 +117,13 @@ LocalPoints::LocalPoints(Box const& box, std::span<double const> x, std::span<do
     grid_.emplace(layout, x, y);
     return;
   }
-  PointsOfCells points = points_of_rectangle(processes, layout, cutoff, x, y);
+  PointsOfCells points = points_of_rectangle(processes, layout, cutoff, points_, values);
   own_ = points.own;
   put_in_order_of_cells(layout, points, 0, own_);
   put_in_order_of_cells(layout, points, own_, points.x.size());
   x_ = std::move(points.x);
   y_ = std::move(points.y);
+  values_ = std::move(points.values);
   points_.x = x_;
   points_.y = y_;
   grid_.emplace(layout, points.window, size());

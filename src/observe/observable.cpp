@@ -13,6 +13,7 @@
 #include "gridlock/core/error.hpp"
 #include "observe/bond_orientation.hpp"
 #include "observe/cluster_sizes.hpp"
+#include "observe/defect_fractions.hpp"
 #include "observe/density_profile.hpp"
 #include "observe/displacement.hpp"
 #include "observe/displacement_curve.hpp"
@@ -53,6 +54,14 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
   visitor.visit(
       {.key = "pair_correlation_bins", .documentation = "Bins of g(r) from 0 to its range.", .min = 1.0, .max = 1e6},
       settings.pair_correlation_bins);
+  visitor.visit({.key = "orientation_correlation",
+                 .documentation = "Whether the table of g(r) has the hexatic correlation g₆(r) of ψ6 too."},
+                settings.orientation_correlation);
+  visitor.visit({.key = "defects_every",
+                 .unit = "samples",
+                 .documentation = "Samples between two searches for disclinations, dislocations and other defects of a "
+                                  "triangular crystal in a periodic box; 0 for none."},
+                settings.defects_every);
   visitor.visit({.key = "speed_range",
                  .unit = "root mean square speeds of the lightest disks",
                  .documentation = "Largest speed of the speed distribution.",
@@ -157,6 +166,9 @@ std::vector<RequestedObservable> requested_observables(ObserveSettings const& se
     add("local_density_every",
         std::make_unique<LocalDensity>(settings.local_density_every, settings.local_density_side));
   }
+  if (settings.defects_every > 0) {
+    add("defects_every", std::make_unique<DefectFractions>(settings.defects_every));
+  }
   if (settings.displacement_lag > 0) {
     add("displacement_lag",
         std::make_unique<DisplacementCurve>(settings.displacement_lag, settings.displacement_origin_every));
@@ -195,7 +207,8 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   if (settings.structure_every > 0) {
     observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
     observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,
-                                                            settings.pair_correlation_bins));
+                                                            settings.pair_correlation_bins,
+                                                            settings.orientation_correlation));
   }
   std::erase_if(observables, [&](auto const& observable) {
     Requirements const needs = observable->requirements(start.box);
@@ -221,6 +234,7 @@ void require_columns(Observable const& observable, Snapshot const& start) {
 ObserveSettings settings_of_all_observables() {
   return {.every = 1,
           .structure_every = 1,
+          .orientation_correlation = true,
           .density_profile = ProfileAxes::both,
           .clusters_every = 1,
           .local_density_every = 1,
@@ -247,6 +261,10 @@ std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings) {
   Stress of_soft_disks({.potential = PotentialSettings{}});
   of_soft_disks.begin({state, counters});
   std::ranges::move(of_soft_disks.columns(), std::back_inserter(columns));
+  State const periodic{.box = Box(1.0, 1.0, Edge::periodic)};
+  DefectFractions of_periodic_boxes(1);
+  of_periodic_boxes.begin({periodic, counters});
+  std::ranges::move(of_periodic_boxes.columns(), std::back_inserter(columns));
   return columns;
 }
 

@@ -11,6 +11,7 @@ std::string_view unused_because_of(ObserveSettings const& settings, std::string_
   for (Needed const& needed :
        {Needed{"pair_correlation_range", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"pair_correlation_bins", settings.structure_every > 0, "observe.structure_every = 0"},
+        Needed{"orientation_correlation", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"density_profile_bins", settings.density_profile != ProfileAxes::none,
                "observe.density_profile = \"none\""},
         Needed{"cluster_cutoff", settings.clusters_every > 0, "observe.clusters_every = 0"},

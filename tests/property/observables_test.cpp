@@ -120,10 +120,12 @@ Counters counters_at(std::uint64_t sample) {
   return counters;
 }
 
-ObserveSettings settings() {
+ObserveSettings settings(Box const& box) {
   return {.structure_every = 2,
           .pair_correlation_range = 3.0,
           .pair_correlation_bins = 20,
+          .orientation_correlation = true,
+          .defects_every = box.is_periodic() ? 2U : 0U,
           .speed_bins = 13,
           .velocity_origin_every = 3,
           .density_profile = ProfileAxes::both,
@@ -150,7 +152,7 @@ constexpr std::uint64_t resumed_at = 4;
 
 class Recorder {
  public:
-  explicit Recorder(Snapshot const& start) : observables_(make_observables(settings(), start)) {}
+  explicit Recorder(Snapshot const& start) : observables_(make_observables(settings(start.box), start)) {}
 
   void sample(Snapshot const& now, bool counts_for_average) {
     for (auto const& observable : observables_) {
@@ -167,7 +169,7 @@ class Recorder {
       }
     };
     auto const saved = to_checkpoint(serialize_all);
-    observables_ = make_observables(settings(), start);
+    observables_ = make_observables(settings(start.box), start);
     from_checkpoint(saved, "saved", serialize_all);
   }
   Numbers finish() {

@@ -120,7 +120,9 @@ struct ObserveSettings {
   std::uint64_t structure_every = 10;   ///< samples between measurements of ψ6 and g(r); 0 for none
   double pair_correlation_range = 5.0;  ///< largest distance of g(r), in mean diameters
   std::uint64_t pair_correlation_bins = 250;
-  double speed_range = 3.0;  ///< largest speed, in root mean square speeds of the lightest disks
+  bool orientation_correlation = false;  ///< whether g₆(r) is measured with g(r)
+  std::uint64_t defects_every = 0;       ///< samples between searches for defects of a crystal; 0 for none
+  double speed_range = 3.0;              ///< largest speed, in root mean square speeds of the lightest disks
   std::uint64_t speed_bins = 60;
   std::uint64_t velocity_origin_every = 0;  ///< samples between time origins of the velocity autocorrelation; 0: one
                                             ///< origin
@@ -154,10 +156,10 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; Stress of soft disks; BondOrientation and
-/// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DisplacementCurve,
-/// TemperatureByKind and LineFlux where settings ask for them (Error for agents that lack a column). Quantities of
-/// walls exist only between walls. Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r)
-/// about 1 µs an agent when they are due.
+/// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DefectFractions,
+/// DisplacementCurve, TemperatureByKind and LineFlux where settings ask for them (Error for agents that lack a column).
+/// Quantities of walls exist only between walls. Cost of a sample: a few passes over the agents, about 20 ns an agent;
+/// ψ6 and g(r) about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics = {});
 

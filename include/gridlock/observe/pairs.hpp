@@ -14,6 +14,7 @@
 /// double const neighbours = static_cast<double>(twice_pairs[0]) / static_cast<double>(now.count());  // 2/3
 /// ```
 
+#include <complex>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -34,9 +35,10 @@ namespace gridlock {
 /// in the order of their rows. Contract: that of Snapshot::pairs(). All processes construct it together.
 class LocalPoints {
  public:
-  /// `count` is the number of points of all processes, (x[i], y[i]) are the points of this process.
+  /// `count` is the number of points of all processes, (x[i], y[i]) are the points of this process, with the value
+  /// (*values)[i] each, if values are given: by all processes or by none.
   LocalPoints(Box const& box, std::span<double const> x, std::span<double const> y, double cutoff,
-              Communicator& processes, std::size_t count);
+              Communicator& processes, std::size_t count, std::vector<std::complex<double>> const* values = nullptr);
   LocalPoints(Snapshot const& now, double cutoff)
       : LocalPoints(now.box, now.agents.column<X>(), now.agents.column<Y>(), cutoff, now.processes.communicator(),
                     now.count()) {}
@@ -46,6 +48,10 @@ class LocalPoints {
   /// Returns the number of owned points: 0 … own() − 1. Points own() … size() − 1 lie around them.
   [[nodiscard]] std::size_t own() const { return own_; }
   [[nodiscard]] std::size_t size() const { return points_.x.size(); }
+  [[nodiscard]] std::span<double const> own_x() const { return points_.x.first(own_); }
+  [[nodiscard]] std::span<double const> own_y() const { return points_.y.first(own_); }
+  /// Returns the values of all points 0 … size() − 1; none if none were given.
+  [[nodiscard]] std::vector<std::complex<double>> const& values() const { return values_; }
 
   /// Calls visit(i, j, separation) once for every pair with an owned point, and for some other pairs; separation = r_j
   /// − r_i.
@@ -60,6 +66,7 @@ class LocalPoints {
 
  private:
   std::vector<double> x_, y_;  ///< empty if the points of the caller are used directly
+  std::vector<std::complex<double>> values_;
   double cutoff_;
   PointsInBox points_;
   std::size_t own_;

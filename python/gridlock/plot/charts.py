@@ -102,17 +102,23 @@ def _unit_of_distance(run: Any, unit: float | None) -> tuple[float, str]:
 
 def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None = None, label: str = "") -> Axes:
     """A measured curve with its errors: "pair_correlation", "speed_distribution", "velocity_autocorrelation", "density_profile_x",
-    "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes" (clusters of one size, the mean over each range).
+    "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes" (clusters of one size, the mean over each range),
+    "orientation_correlation" (g₆(r) of the table of g(r), beside r^(−1/4), below which no hexatic falls).
 
     :param unit: the length that distances of g(r) are given in; the mean diameter where left out, of agents that have one.
     """
-    table = run.distributions.get(name) if isinstance(run, Simulation) else run.table(name)
-    if table is None:
+    is_of_orientation = name == "orientation_correlation"
+    file = "pair_correlation" if is_of_orientation else name
+    table = run.distributions.get(file) if isinstance(run, Simulation) else run.table(file)
+    if table is None or (is_of_orientation and name not in (table.dtype.names or ())):
         raise Error(f"there is no curve {name} yet\n  hint: there are {', '.join(run.distributions) or 'none'}")
     axes = axes if axes is not None else new_axes()
     x, y = list(table.dtype.names or ())[:2]
     error = table["error"] if "error" in (table.dtype.names or ()) else None
     axes.set(xlabel=axis_label(x), ylabel=axis_label(y))
+    if is_of_orientation:
+        _draw_orientation_correlation(axes, table, *_unit_of_distance(run, unit), label)
+        return axes
     if name == "speed_distribution":
         histogram(axes, table[x], table[y], error, label=label or "measured")
         line(axes, table[x], table["maxwell"], label="Maxwell", color=LINE_COLOURS[1])
@@ -135,6 +141,16 @@ def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None =
         axes.set_xlabel(f"{name[-1]} / length")
         axes.set_ylim(0.0, None)
     return axes
+
+
+def _draw_orientation_correlation(axes: Axes, table: NDArray[Any], length: float, text: str, label: str) -> None:
+    found = table[table["orientation_correlation"] > 0.0]
+    r, g6 = found["distance"] / length, found["orientation_correlation"]
+    line(axes, r, g6, found["orientation_correlation_error"], label=label or "measured")
+    if len(r):
+        axes.plot(r, g6.max() * (r / r[0]) ** -0.25, color=GREY, linestyle="--", label="r^(−1/4)")
+    axes.set(xscale="log", yscale="log", xlabel=text, ylabel=axis_label("orientation_correlation"))
+    axes.legend()
 
 
 def dynamics(found: Any, name: str = "msd", *, labels: Sequence[str] = (), axes: Axes | None = None) -> Axes:

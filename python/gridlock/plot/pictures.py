@@ -165,6 +165,8 @@ def _draw_curves(artist: _Artist, run: RunDirectory, last: Frame) -> None:
                 mark_contacts(axes, radii)
 
         artist.chart("pair_correlation", draw)
+        if "orientation_correlation" in (run.table("pair_correlation").dtype.names or ()):
+            artist.chart("orientation_correlation", partial(_draw_curve, run, "orientation_correlation"))
     if _has(run.path, "speed_distribution.csv"):
         artist.chart("speed_distribution", lambda axes: curve(run, "speed_distribution", axes=axes))
     for name in ("density_profile_x", "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes"):
@@ -395,7 +397,7 @@ def _draw_contacts(artist: _Artist, colour: str) -> None:
 def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool = False, overwrite: bool = False) -> Pictures:
     """Draws the pictures of a finished run, sweep or packing into its directory, as ``gridlock plot`` does: SVG and PNG, with ``pdf`` PDF too.
 
-    A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation, and the curves that its
+    A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation, orientation_correlation, and the curves that its
     settings ask for: density profiles, mean_squared_displacement, local_density, cluster_sizes. After a protocol displacements count
     from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces, levels and shear. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
     results against the swept number with the most values, one line for each combination of the others; over seeds alone, a histogram of

@@ -64,6 +64,7 @@ _LABELS = {
     "lag": "lag t / (length / speed)",
     "distance": "distance r",
     "pair_correlation": "pair correlation g(r)",
+    "orientation_correlation": "hexatic correlation g₆(r)",
     "speed": "speed v / (length / time)",
     "density": "probability density / (time / length)",
     "mean_displacement": "mean displacement / side",

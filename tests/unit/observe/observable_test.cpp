@@ -213,8 +213,9 @@ TEST(NamesOfCurves, AreThoseOfAllCurvesThatAreMeasured) {
 TEST(UnusedSettings, OfObservablesAreThoseOfWhatIsNotAskedFor) {
   ObserveSettings none;
   none.structure_every = 0;
-  for (char const* setting : {"pair_correlation_range", "pair_correlation_bins", "density_profile_bins",
-                              "cluster_cutoff", "local_density_side", "displacement_origin_every", "flux_position"}) {
+  for (char const* setting :
+       {"pair_correlation_range", "pair_correlation_bins", "orientation_correlation", "density_profile_bins",
+        "cluster_cutoff", "local_density_side", "displacement_origin_every", "flux_position"}) {
     EXPECT_NE(unused_because_of(none, setting), "") << setting;
     EXPECT_EQ(unused_because_of(settings_of_all_observables(), setting), "") << setting;
   }

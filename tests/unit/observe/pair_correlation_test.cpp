@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 
+#include "observe/bond_orientation.hpp"
 #include "unit/observe/hand_built.hpp"
 
 namespace gridlock {
@@ -125,6 +127,55 @@ TEST(PairCorrelation, FindsTheShellsOfTheSquareLattice) {
   EXPECT_NEAR(pairs_in(19) + pairs_in(20), 200.0, 1e-9);
   EXPECT_NEAR(pairs_in(28), 200.0, 1e-9);
   EXPECT_NEAR(pairs_in(39) + pairs_in(40), 200.0, 1e-9);
+}
+
+TEST(PairCorrelation, OfOrientationsIsTheMeanOverThePairs) {
+  State const state = ideal_gas(Box(2, 3, Edge::periodic), 200, 0.05, 3);
+  PairCorrelation correlation(1, 9.0, 6, true);
+  correlation.begin({state, {}});
+  sample(correlation, state);
+  auto const values = correlation.distributions()[0].columns_of_values;
+  auto const place = [&](std::size_t i) { return Vector{state.agents.column<X>()[i], state.agents.column<Y>()[i]}; };
+  double const cutoff = neighbour_distance(state.box, 200);
+  std::vector<std::complex<double>> psi;
+  for (std::size_t i = 0; i < 200; ++i) {
+    std::complex<double> sum;
+    double neighbours = 0.0;
+    for (std::size_t j = 0; j < 200; ++j) {
+      Vector const d = state.box.displacement(place(i), place(j));
+      if (i == j || squared_length(d) >= cutoff * cutoff) continue;
+      sum += std::polar(1.0, 6.0 * std::atan2(d.y, d.x));
+      neighbours += 1.0;
+    }
+    psi.push_back(neighbours > 0.0 ? sum / neighbours : 0.0);
+  }
+  std::vector<double> sums(6, 0.0), pairs(6, 0.0);
+  for (std::size_t i = 0; i < 200; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      double const r = std::sqrt(squared_length(state.box.displacement(place(i), place(j))));
+      if (r >= 0.9) continue;
+      sums[static_cast<std::size_t>(r / 0.15)] += (std::conj(psi[i]) * psi[j]).real();
+      pairs[static_cast<std::size_t>(r / 0.15)] += 1.0;
+    }
+  }
+  for (std::size_t b = 0; b < 6; ++b) EXPECT_NEAR(values[3][b], sums[b] / pairs[b], 1e-9) << b;
+  // g(r) itself does not change.
+  PairCorrelation plain(1, 9.0, 6);
+  plain.begin({state, {}});
+  sample(plain, state);
+  EXPECT_EQ(plain.distributions()[0].columns_of_values[1], values[1]);
+}
+
+TEST(PairCorrelation, OfOrientationsIsOneInALatticeAndNoNumberWithoutPairs) {
+  State const state = triangular_lattice(12, 14);
+  PairCorrelation correlation(1, 7.0, 56, true);
+  correlation.begin({state, {}});
+  sample(correlation, state);
+  auto const values = correlation.distributions()[0].columns_of_values;
+  for (std::size_t b = 0; b < values[3].size(); ++b) {
+    if (values[1][b] > 0.0) EXPECT_NEAR(values[3][b], 1.0, 1e-9) << b;
+    if (values[1][b] == 0.0) EXPECT_TRUE(std::isnan(values[3][b])) << b;
+  }
 }
 
 TEST(PairCorrelation, RangeEndsAtHalfTheShorterSide) {
