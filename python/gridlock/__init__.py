@@ -34,6 +34,16 @@ from .files import open as open
 from .glass import CollectiveScattering, StringLengths, VanHove, collective_scattering, string_lengths, van_hove
 from .models import Model, Setting, register_model
 from .neighbors import Neighbors, neighbors, pairs, pairs_of_disks
+from .order import (
+    Defects,
+    OrderCorrelation,
+    PairCorrelationMap,
+    StructurePeak,
+    defects,
+    order_correlation,
+    pair_correlation_map,
+    structure_peak,
+)
 from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
@@ -42,12 +52,14 @@ from .world import Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
-    "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "DensityProfile", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
-    "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
-    "SpectralDensity", "Start", "StringLengths", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi",
-    "World", "bond_orientation", "clusters", "collective_scattering", "combine", "contacts", "density_profile", "diffusion_coefficient", "dynamics",
-    "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
-    "separations", "shear_viscosity", "spectral_density", "string_lengths", "structure_factor", "sweep", "van_hove", "verify", "voronoi",
+    "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Error",
+    "Frame", "FrameContacts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation", "PairCorrelationMap", "Problem", "Result",
+    "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "SpectralDensity", "Start", "StringLengths", "StructureFactor",
+    "StructurePeak", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi", "World", "bond_orientation", "clusters",
+    "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics", "explain",
+    "mean_squared_displacement", "neighbors", "order_correlation", "pair_correlation", "pair_correlation_map", "pairs", "pairs_of_disks",
+    "read_xyz", "register_model", "run", "separations", "shear_viscosity", "spectral_density", "string_lengths", "structure_factor",
+    "structure_peak", "sweep", "van_hove", "verify", "voronoi",
 ]
 
 

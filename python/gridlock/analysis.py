@@ -30,7 +30,7 @@ class PairCorrelation(NamedTuple):
         return named_in_short(self)
 
 
-def _periodic(box: BoxLike, what: str) -> BoxValues:
+def periodic_box(box: BoxLike, what: str) -> BoxValues:
     sides = as_box(box)
     if sides is None or not (sides[2] and sides[3]):
         raise Error(f"{what} needs a box that is periodic in x and y\n  hint: give box=(width, height)")
@@ -92,7 +92,7 @@ def pair_correlation(
     >>> pair_correlation(points, box=1.0, range=0.1, bins=5, kinds=np.arange(20000) % 2).g.shape
     (2, 2, 5)
     """
-    sides = _periodic(box, "the pair correlation")
+    sides = periodic_box(box, "the pair correlation")
     array = as_points(points)
     labels = None if kinds is None else as_kinds(kinds, len(array))
     length, count = as_number(range, "range"), as_count(bins, "bins")
@@ -105,6 +105,7 @@ class Voronoi(NamedTuple):
 
     neighbors: Neighbors  #: whose cells share an edge, counterclockwise
     areas: NDArray[np.float64]  #: shape (N,); together the area of the box
+    edge_lengths: NDArray[np.float64]  #: of the edge with each entry of ``neighbors.indices``
 
     def __repr__(self) -> str:
         return named_in_short(self)
@@ -115,6 +116,13 @@ class Voronoi(NamedTuple):
         return self.neighbors.counts
 
 
+def voronoi_box(box: BoxLike) -> BoxValues:
+    sides = as_box(box)
+    if sides is None:
+        raise Error("Voronoi cells need a box\n  hint: give box=(width, height), or Box(width, height, periodic=False)")
+    return sides
+
+
 def voronoi(points: ArrayLike, box: BoxLike, *, threads: int = 1) -> Voronoi:
     """The Voronoi cell of every point: all places of the box that are nearer to it than to any other point or image of one.
 
@@ -122,7 +130,7 @@ def voronoi(points: ArrayLike, box: BoxLike, *, threads: int = 1) -> Voronoi:
     :param box: periodic, or ``Box(width, height, periodic=False)``, whose walls cut the cells: points are neighbours where
         their cells share an edge inside.
     :param threads: 0 for all cores. The result does not depend on it.
-    :returns: neighbours in compressed sparse rows, and areas. In a periodic box of few points a point can be a neighbour twice,
+    :returns: neighbours in compressed sparse rows, areas, and the lengths of the edges. In a periodic box of few points a point can be a neighbour twice,
         and its own, through the edges.
     :raises Error: without a box, for points at the same place, outside walls or not finite.
 
@@ -137,11 +145,9 @@ def voronoi(points: ArrayLike, box: BoxLike, *, threads: int = 1) -> Voronoi:
     >>> found.neighbors.of(0)
     array([1], dtype=uint32)
     """
-    sides = as_box(box)
-    if sides is None:
-        raise Error("Voronoi cells need a box\n  hint: give box=(width, height), or Box(width, height, periodic=False)")
-    begin, found, areas = _core.voronoi(as_points(points), sides, as_threads(threads))
-    return Voronoi(Neighbors(begin, found), areas)
+    sides = voronoi_box(box)
+    begin, found, areas, edges = _core.voronoi(as_points(points), sides, as_threads(threads))
+    return Voronoi(Neighbors(begin, found), areas, edges)
 
 
 def bond_orientation(
@@ -150,15 +156,21 @@ def bond_orientation(
     box: BoxLike = None,
     *,
     neighbors: Neighbors | None = None,
+    weights: ArrayLike | None = None,
     k: int = 6,
     threads: int = 1,
 ) -> NDArray[np.complex128]:
     """ψ_k of every point: the mean of exp(i k θ) over the directions θ to its neighbours; 0 without neighbours.
 
+    With weights w it is Σ w exp(i k θ) / Σ w. The lengths of Voronoi edges as weights make it a Minkowski structure metric, which
+    does not jump where a neighbour comes or goes.
+
     :param cutoff: all points nearer than this are neighbours.
     :param neighbors: in place of the cutoff: ``voronoi(points, box).neighbors``, or any others.
+    :param weights: one number, not negative, for each entry of ``neighbors.indices``, such as ``voronoi(points, box).edge_lengths``.
     :returns: shape (N,), complex. ``abs(psi).mean()`` is the local order, ``abs(psi.mean())`` the global one.
-    :raises Error: where cutoff and neighbours are both given or both missing, and for lists in which a point is its own neighbour
+    :raises Error: where cutoff and neighbours are both given or both missing, for weights without neighbours or of another
+        number, and for lists in which a point is its own neighbour
         or has one twice.
 
     In a periodic box the direction to a neighbour is that to its nearest image. Beside voids wider than half the box a Voronoi
@@ -187,8 +199,20 @@ def bond_orientation(
     if neighbors is not None:
         _expect_one_image_each(i, found.indices, len(array))
     angles = np.exp(1j * order * np.arctan2(y, x))
+    if weights is not None:
+        scales = _weights(weights, neighbors, len(i))
+        angles *= scales
+        counts = np.bincount(i, scales, len(array))
     sums = np.bincount(i, angles.real, len(array)) + 1j * np.bincount(i, angles.imag, len(array))
-    return np.where(counts > 0, sums / np.maximum(counts, 1), 0.0)
+    return np.where(counts > 0, sums / np.where(counts > 0, counts, 1), 0.0)
+
+
+def _weights(weights: ArrayLike, neighbors: Neighbors | None, count: int) -> NDArray[np.float64]:
+    hint = "give one number, not negative, for each entry of neighbors.indices, such as voronoi(points, box).edge_lengths"
+    array = as_array(weights, "the weights are", hint).astype(np.float64)
+    if neighbors is None or array.shape != (count,) or not (np.isfinite(array) & (array >= 0)).all():
+        raise Error(f"the weights have the shape {array.shape} for {count} neighbours\n  hint: {hint}")
+    return array
 
 
 def _expect_one_image_each(i: NDArray[np.int64], j: NDArray[np.uint32], count: int) -> None:
@@ -369,7 +393,7 @@ def structure_factor(
     >>> bool(np.all(abs(found.s - 1) < 0.5))
     True
     """
-    width, height, _, _, shift = _periodic(box, "the structure factor")
+    width, height, _, _, shift = periodic_box(box, "the structure factor")
     array = as_points(points)
     if not np.isfinite(array).all():
         raise Error("a point is not finite\n  hint: every coordinate must be finite")

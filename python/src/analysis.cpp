@@ -1,8 +1,10 @@
+#include <nanobind/stl/complex.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -16,9 +18,11 @@
 #include "gridlock/analysis/dynamics.hpp"
 #include "gridlock/analysis/pair_correlation.hpp"
 #include "gridlock/analysis/strings.hpp"
+#include "gridlock/analysis/structure_peak.hpp"
 #include "gridlock/analysis/van_hove.hpp"
-#include "gridlock/analysis/voronoi.hpp"
+#include "gridlock/grid/voronoi.hpp"
 #include "gridlock/observe/clusters.hpp"
+#include "gridlock/observe/defects.hpp"
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock::python {
@@ -227,7 +231,87 @@ auto pair_correlation(Points const& points, BoxValues const& box, double range, 
   return std::pair(owned_array(std::move(found.distance)), owned_array(std::move(found.g), {count, count, bins}));
 }
 
-/// Returns the index of each point's first neighbour in the list of neighbours, that list, and the areas of the cells.
+using Orders = nb::ndarray<std::complex<double> const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+std::span<std::complex<double> const> span_of(Orders const& orders) { return {orders.data(), orders.shape(0)}; }
+
+/// Returns distances, g(r) and the correlation of the orders, each of shape (bins,).
+auto order_correlation(Points const& points, Orders const& orders, BoxValues const& box, double range, std::size_t bins,
+                       std::uint64_t threads) {
+  PairCorrelations found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_pair_correlations(box_of(box), view_of(points), range, bins, {}, threads, span_of(orders));
+  }
+  return std::tuple(owned_array(std::move(found.distance)), owned_array(std::move(found.g)),
+                    owned_array(std::move(found.order_correlation)));
+}
+
+/// Returns x of shape (columns,), y of shape (rows,), and g and the correlation of shape (rows, columns).
+auto pair_correlation_map(Points const& points, BoxValues const& box, std::pair<double, double> half,
+                          std::pair<std::size_t, std::size_t> bins, std::pair<double, double> along,
+                          std::optional<Orders> const& orders, std::uint64_t threads) {
+  PairCorrelationMap found;
+  auto const [columns, rows] = bins;
+  {
+    nb::gil_scoped_release const released;
+    found = find_pair_correlation_map(
+        box_of(box), view_of(points),
+        {.half = {half.first, half.second}, .columns = columns, .rows = rows, .along = {along.first, along.second}},
+        orders ? span_of(*orders) : std::span<std::complex<double> const>{}, threads);
+  }
+  nb::object correlation = nb::none();
+  if (orders) correlation = nb::cast(owned_array(std::move(found.order_correlation), {rows, columns}));
+  return std::tuple(owned_array(std::move(found.x)), owned_array(std::move(found.y)),
+                    owned_array(std::move(found.g), {rows, columns}), correlation);
+}
+
+/// Returns vectors as an array of shape (N, 2).
+auto array_of_vectors(std::vector<Vector> const& vectors) {
+  std::vector<double> values;
+  for (Vector const v : vectors) values.insert(values.end(), {v.x, v.y});
+  return owned_array(std::move(values), {vectors.size(), 2});
+}
+
+/// Returns the wave vector of the peak, its height, all wave vectors of shape (M, 2) and S of shape (M,).
+auto structure_peak(Points const& points, BoxValues const& box, std::pair<double, double> centre, double half_width,
+                    std::uint64_t threads) {
+  StructurePeak found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_structure_peak(box_of(box), view_of(points), {centre.first, centre.second}, half_width, threads);
+  }
+  return std::tuple(std::pair(found.at.x, found.at.y), found.height, array_of_vectors(found.wave_vectors),
+                    owned_array(std::move(found.structure_factor)));
+}
+
+/// Returns the sides and the cluster of each point, and the kind, the number of points, the charge and the moment of
+/// each cluster.
+auto defects(Points const& points, BoxValues const& box, std::uint64_t threads) {
+  Defects found;
+  std::vector<std::uint32_t> sides;
+  {
+    nb::gil_scoped_release const released;
+    NeighbourLists const neighbours = find_voronoi_cells(box_of(box), view_of(points), threads).neighbours;
+    found = find_defects(box_of(box), view_of(points), neighbours);
+    for (std::size_t i = 0; i < points.shape(0); ++i)
+      sides.push_back(static_cast<std::uint32_t>(neighbours.begin[i + 1] - neighbours.begin[i]));
+  }
+  std::vector<std::uint32_t> kinds, sizes;
+  std::vector<std::int32_t> charges;
+  std::vector<Vector> moments;
+  for (DefectCluster const& cluster : found.clusters) {
+    kinds.push_back(static_cast<std::uint32_t>(cluster.kind));
+    sizes.push_back(cluster.points);
+    charges.push_back(cluster.charge);
+    moments.push_back(cluster.moment);
+  }
+  return std::tuple(owned_array(std::move(sides)), owned_array(std::move(found.cluster)), owned_array(std::move(kinds)),
+                    owned_array(std::move(sizes)), owned_array(std::move(charges)), array_of_vectors(moments));
+}
+
+/// Returns the index of each point's first neighbour in the list of neighbours, that list, the areas of the cells, and
+/// the lengths of the edges with the neighbours.
 auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) {
   VoronoiCells found;
   {
@@ -235,7 +319,7 @@ auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) 
     found = find_voronoi_cells(box_of(box), view_of(points), threads);
   }
   return std::tuple(owned_array(std::move(found.neighbours.begin)), owned_array(std::move(found.neighbours.neighbours)),
-                    owned_array(std::move(found.areas)));
+                    owned_array(std::move(found.areas)), owned_array(std::move(found.edge_lengths)));
 }
 
 /// Returns the number of the cluster of each of `count` agents, where agents i[k] and j[k] are in one.
@@ -288,6 +372,13 @@ void bind_analysis(nb::module_& module) {
              nb::arg("lags"), nb::arg("distance"), nb::arg("mobile_share"), nb::arg("most_origins"));
   module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
              nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
+  module.def("order_correlation", &order_correlation, nb::arg("points"), nb::arg("orders"), nb::arg("box"),
+             nb::arg("range"), nb::arg("bins"), nb::arg("threads"));
+  module.def("pair_correlation_map", &pair_correlation_map, nb::arg("points"), nb::arg("box"), nb::arg("half"),
+             nb::arg("bins"), nb::arg("along"), nb::arg("orders").none(), nb::arg("threads"));
+  module.def("structure_peak", &structure_peak, nb::arg("points"), nb::arg("box"), nb::arg("centre"),
+             nb::arg("half_width"), nb::arg("threads"));
+  module.def("defects", &defects, nb::arg("points"), nb::arg("box"), nb::arg("threads"));
   module.def("clusters", &clusters, nb::arg("count"), nb::arg("i"), nb::arg("j"));
   module.def("combine", &combine_runs, nb::arg("values"), nb::arg("errors"));
   module.def("voronoi", &voronoi, nb::arg("points"), nb::arg("box"), nb::arg("threads"));
