@@ -101,7 +101,7 @@ def pair_correlation_map(
     :param order: a complex number for each point, shape (N,), for ``order_correlation``.
     :raises Error: as :func:`pair_correlation`, and for maps without area.
 
-    Cost: 5 ns a pair nearer than the corners. Source: E. P. Bernard, W. Krauth (2011), doi:10.1103/PhysRevLett.107.155704.
+    Cost: 10 ns a pair nearer than the corners. Source: E. P. Bernard, W. Krauth (2011), doi:10.1103/PhysRevLett.107.155704.
 
     >>> points = [[x, y] for y in np.arange(8.0) for x in np.arange(8.0)]
     >>> pair_correlation_map(points, 8.0, half=(2.5, 0.25), bins=(5, 1)).g > 0
@@ -112,7 +112,7 @@ def pair_correlation_map(
     extent = as_number(half[0], "half[0]"), as_number(half[1], "half[1]")
     counts = as_count(bins[0], "bins[0]"), as_count(bins[1], "bins[1]")
     orders = None if order is None else _as_orders(order, len(array))
-    turned = as_number(angle, "angle")
+    turned = as_number(angle, "the angle", "use a finite number", least=-np.inf)
     along = float(np.cos(turned)), float(np.sin(turned))
     return PairCorrelationMap(*_core.pair_correlation_map(array, sides, extent, counts, along, orders, as_threads(threads)))
 

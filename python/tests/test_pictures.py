@@ -169,7 +169,8 @@ def test_the_mean_displacement_has_logarithmic_axes_and_its_error(tmp_path, draw
 def test_curves_on_request_are_drawn_as_they_were_measured(tmp_path, drawn):
     gridlock.run(
         {"box": OBLONG, "disks": {"count": 80, "packing_fraction": 0.4}, "engine": {"kind": "exact"}, "run": {"steps": 400},
-         "observe": {"every": 5, "density_profile": "both", "displacement_lag": 12, "local_density_every": 2, "clusters_every": 2}},
+         "observe": {"every": 5, "density_profile": "both", "displacement_lag": 12, "local_density_every": 2, "clusters_every": 2,
+                     "orientation_correlation": True}},
         tmp_path / "out")
     run = gridlock.open(tmp_path / "out")
     axes = drawn(run.path)
@@ -179,5 +180,8 @@ def test_curves_on_request_are_drawn_as_they_were_measured(tmp_path, drawn):
         assert np.array_equal(axes[name].lines[0].get_xdata(), run.table(name)[x])
         assert np.array_equal(axes[name].lines[0].get_ydata(), run.table(name)[y])
     assert axes["density_profile_x"].get_xlabel() == "x / length"
+    correlations = run.table("pair_correlation")
+    positive = correlations["orientation_correlation"] > 0
+    assert np.array_equal(axes["orientation_correlation"].lines[0].get_ydata(), correlations["orientation_correlation"][positive])
     sizes = run.table("cluster_sizes")
     assert np.allclose(axes["cluster_sizes"].lines[0].get_ydata() * (sizes["largest_size"] - sizes["size"] + 1), sizes["clusters"])

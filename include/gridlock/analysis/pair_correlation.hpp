@@ -51,7 +51,7 @@ struct PairCorrelations {
 /// pairs of kinds, `kinds` or `orders` of another length than the points, orders that are not finite, and points that
 /// NeighbourSearch refuses. The result does not depend on `threads` (0: one for each core). A product ψ_i* ψ_j is
 /// rounded to N² · 2⁻⁵⁹ of the largest |ψ|², 2e-8 for 10⁵ points, so that sums are exact.
-/// Cost: 1 ns a pair in the range without orders, 1.5 ns with them (AVX-512, AMD Zen 4). Sources: J.-P. Hansen & I. R.
+/// Cost: 5 ns a pair in the range, 6 ns with orders (AVX-512, AMD Zen 4). Sources: J.-P. Hansen & I. R.
 /// McDonald, Theory of Simple Liquids (2013), chapter 2; g₆: D. R. Nelson & B. I. Halperin (1979),
 /// doi:10.1103/PhysRevB.19.2457; g₆ and c_G: E. P. Bernard & W. Krauth (2011), doi:10.1103/PhysRevLett.107.155704.
 PairCorrelations find_pair_correlations(Box const& box, PointsInMemory const& points, double range, std::size_t bins,
@@ -81,7 +81,7 @@ struct MapGrid {
 ///
 /// 1 for an ideal gas; g(−x, −y) = g(x, y). Errors: those of find_pair_correlations(), whose range is here the distance
 /// of the corners, |half|; Error for a direction of no length and for a grid without area. The result does not depend
-/// on `threads`. Cost: 3 ns a pair nearer than the corners. Source: E. P. Bernard & W. Krauth (2011),
+/// on `threads`. Cost: 10 ns a pair nearer than the corners. Source: E. P. Bernard & W. Krauth (2011),
 /// doi:10.1103/PhysRevLett.107.155704.
 PairCorrelationMap find_pair_correlation_map(Box const& box, PointsInMemory const& points, MapGrid const& grid,
                                              std::span<std::complex<double> const> orders = {},
