@@ -12,6 +12,8 @@ namespace gridlock {
 
 namespace {
 
+constexpr std::size_t max_map_side = 10'000'000;
+
 double mean_order(double sum, std::uint64_t pairs) {
   return pairs == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(pairs);
 }
@@ -44,10 +46,11 @@ PairBins bins_of(MapGrid const& grid) {
     throw Error({.what = fmt::format("the direction of a map is ({}, {})", grid.along.x, grid.along.y),
                  .hint = "use a vector that is not zero"});
   }
-  if (!(grid.half.x > 0.0 && grid.half.y > 0.0) || grid.columns == 0 || grid.rows == 0) {
+  if (!(grid.half.x > 0.0 && grid.half.y > 0.0) || grid.columns == 0 || grid.rows == 0 || grid.columns > max_map_side ||
+      grid.rows > max_map_side) {
     throw Error({.what = fmt::format("a map has {} × {} rectangles in ±{} × ±{}", grid.columns, grid.rows, grid.half.x,
                                      grid.half.y),
-                 .hint = "use at least one rectangle, and lengths above 0"});
+                 .hint = fmt::format("use 1 to {} columns and rows, and lengths above 0", max_map_side)});
   }
   return PairBins::grid(grid.half, grid.columns, grid.rows, (1.0 / length) * grid.along);
 }

@@ -52,9 +52,11 @@ void find_rectangles(Binning const& binning, Vector p, double const* x, double c
     double const right = dot(bins.along, d) + bins.half.x;
     double const up = bins.along.x * d.y - bins.along.y * d.x + bins.half.y;
     bool const is_inside = right >= 0.0 && right < 2.0 * bins.half.x && up >= 0.0 && up < 2.0 * bins.half.y;
+    found[k] = all;
+    if (!is_inside) continue;
     auto const column = static_cast<std::int32_t>(right * bins.bins_per_length.x);
     auto const row = static_cast<std::int32_t>(up * bins.bins_per_length.y);
-    found[k] = is_inside ? std::min(row * columns + std::min(column, columns - 1), all - 1) : all;
+    found[k] = std::min(row * columns + std::min(column, columns - 1), all - 1);
   }
 }
 

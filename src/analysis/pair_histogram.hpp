@@ -18,7 +18,7 @@ struct PairBins {
   std::size_t count = 1;  ///< number of bins; bin number `count` is that of pairs out of the range
   double range = 0.0;     ///< the largest distance
   double rings_per_length = 0.0;
-  // Of a grid:
+  // A grid has these, too.
   std::size_t columns = 0;  ///< 0 for rings
   Vector along{1.0, 0.0};   ///< the direction of the rows, a unit vector
   Vector half{};            ///< half the width and half the height of the grid

@@ -173,8 +173,11 @@ TEST(PairCorrelation, OfOrientationsIsOneInALatticeAndNoNumberWithoutPairs) {
   sample(correlation, state);
   auto const values = correlation.distributions()[0].columns_of_values;
   for (std::size_t b = 0; b < values[3].size(); ++b) {
-    if (values[1][b] > 0.0) EXPECT_NEAR(values[3][b], 1.0, 1e-9) << b;
-    if (values[1][b] == 0.0) EXPECT_TRUE(std::isnan(values[3][b])) << b;
+    if (values[1][b] > 0.0) {
+      EXPECT_NEAR(values[3][b], 1.0, 1e-9) << b;
+    } else {
+      EXPECT_TRUE(std::isnan(values[3][b])) << b;
+    }
   }
 }
 
