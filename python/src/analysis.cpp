@@ -260,8 +260,8 @@ auto pair_correlation_map(Points const& points, BoxValues const& box, std::pair<
         {.half = {half.first, half.second}, .columns = columns, .rows = rows, .along = {along.first, along.second}},
         orders ? span_of(*orders) : std::span<std::complex<double> const>{}, threads);
   }
-  nb::object correlation = nb::none();
-  if (orders) correlation = nb::cast(owned_array(std::move(found.order_correlation), {rows, columns}));
+  std::optional<nb::ndarray<nb::numpy, double>> correlation;
+  if (orders) correlation = owned_array(std::move(found.order_correlation), {rows, columns});
   return std::tuple(owned_array(std::move(found.x)), owned_array(std::move(found.y)),
                     owned_array(std::move(found.g), {rows, columns}), correlation);
 }

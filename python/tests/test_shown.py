@@ -46,6 +46,8 @@ def public(tmp_path):
         gridlock.neighbors(points, 0.05, box), gridlock.voronoi(points, box), gridlock.pair_correlation(points, box, range=0.1),
         gridlock.structure_factor(points, box, largest_q=50.0), gridlock.dynamics(series), gridlock.contacts(points, 0.004, box, stiffness=False),
         gridlock.spectral_density(points, 0.004, box, largest_q=50.0), gridlock.density_profile(points, box, bins=2000), gridlock.combine([(points, points), (points, points)]),
+        gridlock.order_correlation(points, np.ones(len(points)), box, range=0.1), gridlock.defects(points, box),
+        gridlock.pair_correlation_map(points, box, half=(0.1, 0.1), bins=(60, 60)), gridlock.structure_peak(points, box),
         gridlock.FrameContacts(run.final.clock, np.zeros((9000, 2), dtype=np.uint64), np.zeros(9000)),
         gridlock.collective_scattering(series, box=box, q=30.0), gridlock.van_hove(series, lags=1.0, range=0.1),
         gridlock.string_lengths(series, lags=1.0, distance=0.01),

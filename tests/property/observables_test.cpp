@@ -125,7 +125,7 @@ ObserveSettings settings(Box const& box) {
           .pair_correlation_range = 3.0,
           .pair_correlation_bins = 20,
           .orientation_correlation = true,
-          .defects_every = box.is_periodic() ? 2U : 0U,
+          .defects_every = box.is_periodic() ? 4U : 0U,
           .speed_bins = 13,
           .velocity_origin_every = 3,
           .density_profile = ProfileAxes::both,

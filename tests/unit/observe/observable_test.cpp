@@ -373,12 +373,27 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   ObserveSettings settings;
   Collector collector;
   describe(settings, collector);
-  EXPECT_EQ(collector.keys,
-            (std::set<std::string>{"every", "equilibration", "structure_every", "pair_correlation_range",
-                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every",
-                                   "density_profile", "density_profile_bins", "clusters_every", "cluster_cutoff",
-                                   "local_density_every", "local_density_side", "displacement_lag",
-                                   "displacement_origin_every", "temperature_by_kind", "flux_line", "flux_position"}));
+  EXPECT_EQ(collector.keys, (std::set<std::string>{"every",
+                                                   "equilibration",
+                                                   "structure_every",
+                                                   "pair_correlation_range",
+                                                   "pair_correlation_bins",
+                                                   "orientation_correlation",
+                                                   "defects_every",
+                                                   "speed_range",
+                                                   "speed_bins",
+                                                   "velocity_origin_every",
+                                                   "density_profile",
+                                                   "density_profile_bins",
+                                                   "clusters_every",
+                                                   "cluster_cutoff",
+                                                   "local_density_every",
+                                                   "local_density_side",
+                                                   "displacement_lag",
+                                                   "displacement_origin_every",
+                                                   "temperature_by_kind",
+                                                   "flux_line",
+                                                   "flux_position"}));
 }
 
 }  // namespace
