@@ -4,10 +4,9 @@
 //     gridlock_validate_dynamics [SECTION] …      all if none is named
 //
 // Units: σ = m = kT = 1; of soft disks σ = m = ε = 1. Each number is the mean of runs with different seeds, with one
-// standard error. It is compared
-// with an exact number, or with the number and the error of an independent program that shares no code with Gridlock:
-// within four errors of the difference, or within a tolerance. The program returns 1 if one number differs. The bits of
-// the runs do not depend on the number of threads, nor does the table.
+// standard error. It is compared with an exact number, or with the number and the error of an independent program
+// that shares no code with Gridlock: within four errors of the difference, or within a tolerance. The program
+// returns 1 if one number differs. The bits of the runs do not depend on the number of threads, nor does the table.
 
 #include <fmt/format.h>
 

@@ -23,22 +23,10 @@ constexpr char const* only_run = "run";
 
 std::vector<std::string> const& files_of_run() {
   static std::vector<std::string> const names = [] {
-    std::vector<std::string> files{"config.resolved.toml",
-                                   "run.log",
-                                   "summary.json",
-                                   "trajectory.h5",
-                                   "series.csv",
-                                   "hashes.csv",
-                                   "final.xyz",
-                                   "start.xyz",
-                                   "stages.csv",
-                                   "levels.csv",
-                                   "contacts.csv",
-                                   "swap_correlations.csv",
-                                   "swap_density.csv",
-                                   "shear.csv",
-                                   "shear_events.csv",
-                                   "shear_motions.csv",
+    std::vector<std::string> files{"config.resolved.toml", "run.log",    "summary.json",     "trajectory.h5",
+                                   "series.csv",           "hashes.csv", "final.xyz",        "start.xyz",
+                                   "stages.csv",           "levels.csv", "contacts.csv",     "swap_correlations.csv",
+                                   "swap_density.csv",     "shear.csv",  "shear_events.csv", "shear_motions.csv",
                                    "shear_cycles.csv"};
     for (std::string_view const curve : names_of_curves()) files.push_back(std::string(curve) + ".csv");
     return files;
