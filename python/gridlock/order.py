@@ -206,7 +206,8 @@ def defects(points: ArrayLike, box: BoxLike, *, threads: int = 1) -> Defects:
     Cost: 1 µs a point. Source: D. R. Nelson, B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457; Y. Lansac, M. A. Glaser,
     N. A. Clark (2006), doi:10.1103/PhysRevE.73.041501.
 
-    >>> points = [[x + 0.5 * (y % 2), y * 0.75**0.5] for y in np.arange(10) for x in np.arange(10)]
+    >>> lattice = np.array([[x + 0.5 * (y % 2), y * 0.75**0.5] for y in range(10) for x in range(10)])
+    >>> points = lattice + np.random.default_rng(1).normal(0.0, 0.02, lattice.shape)
     >>> found = defects(points[1:], (10.0, 10 * 0.75**0.5))
     >>> found.kind, found.charge
     (array(['dislocation_pair'], dtype='<U16'), array([0], dtype=int32))

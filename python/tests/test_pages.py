@@ -13,7 +13,7 @@ import pytest
 import gridlock
 
 PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md", "docs/how_to/analysis.md",
-         "docs/how_to/jamming.md", "docs/how_to/playground.md"]
+         "docs/how_to/jamming.md", "docs/how_to/melting.md", "docs/how_to/playground.md", "docs/how_to/verify.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -12,7 +12,6 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/table.hpp"
-#include "gridlock/observe/estimate.hpp"
 #include "gridlock/packing/contact_network.hpp"
 #include "protocol/stage.hpp"
 #include "simulation/packing_analysis.hpp"
@@ -35,45 +34,6 @@ double number(bool flag) { return flag ? 1.0 : 0.0; }
 std::vector<ResultEntry> hard_entries() {
   return {
       {{"reduced_pressure", "", "βP/ρ of the hard disks in the last stage of the protocol."}, &StageResult::pressure}};
-}
-
-/// Returns the mean packing fraction of a stage at constant pressure.
-std::optional<Estimate> density_at_pressure(SwapResult const& swap) {
-  BlockAverage average;
-  for (std::size_t k = swap.adjusting_stretches; k < swap.packing_fractions.size(); ++k)
-    average.add(swap.packing_fractions[k]);
-  return average.estimate();
-}
-
-std::optional<double> value_of(std::optional<Estimate> const& estimate) {
-  return estimate ? std::optional(estimate->value) : std::nullopt;
-}
-
-std::optional<double> error_of(std::optional<Estimate> const& estimate) {
-  return estimate ? estimate->error : std::nullopt;
-}
-
-/// Returns the results of the last stage of swap Monte Carlo.
-std::vector<ResultEntry> swap_entries() {
-  auto const of = [](auto member) {
-    return [member](StageResult const& stage) { return std::invoke(member, *stage.swap); };
-  };
-  return {{{"displacement_acceptance", "", "Share of the trial displacements that were accepted."},
-           of(&SwapResult::displacement_acceptance)},
-          {{"swap_acceptance", "", "Share of the trial swaps that were accepted."}, of(&SwapResult::swap_acceptance)},
-          {{"area_acceptance", "", "Share of the trial changes of the area that were accepted."},
-           of(&SwapResult::area_acceptance)},
-          {{"packing_fraction_at_pressure", "", "Mean φ at constant pressure, with the error of blocks."},
-           [](StageResult const& stage) { return value_of(density_at_pressure(*stage.swap)); },
-           [](StageResult const& stage) { return error_of(density_at_pressure(*stage.swap)); }},
-          {{"overlap_relaxation_time", "sweeps", "Where the share of disks in their old cages has fallen to 1/e."},
-           of(&SwapResult::overlap_relaxation_time)},
-          {{"bond_relaxation_time", "sweeps", "Where the correlation of the local hexatic order has fallen to 1/e."},
-           of(&SwapResult::bond_relaxation_time)},
-          {{"relaxation_times", "", "How many of the longer relaxation time the stage has lasted."},
-           of(&SwapResult::relaxation_times)},
-          {{"is_equilibrated", "", "1 where these are ten or more, else 0."},
-           [](StageResult const& stage) { return number(stage.swap->is_equilibrated); }}};
 }
 
 /// Returns whether the packing is unstable against compression; false if its bulk modulus is NaN.
@@ -148,7 +108,7 @@ std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) 
   if (!is_soft(stages.back())) add_results(hard_entries(), stages.back(), results);
   auto const swap =
       std::find_if(stages.rbegin(), stages.rend(), [](auto const& stage) { return stage.swap.has_value(); });
-  if (swap != stages.rend()) add_results(swap_entries(), *swap, results);
+  if (swap != stages.rend()) std::ranges::move(swap_results(*swap->swap), std::back_inserter(results));
   auto const soft = std::find_if(stages.rbegin(), stages.rend(), is_soft);
   if (soft != stages.rend()) add_results(soft_entries(), *soft, results);
   auto const shear =
@@ -366,9 +326,9 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_peri
 
 std::vector<ColumnInfo> protocol_results() {
   std::vector<ColumnInfo> results;
-  for (auto const& entries : {hard_entries(), swap_entries(), soft_entries()}) {
-    for (ResultEntry const& entry : entries) results.push_back(entry.info);
-  }
+  for (ResultEntry const& entry : hard_entries()) results.push_back(entry.info);
+  std::ranges::move(swap_entries(), std::back_inserter(results));
+  for (ResultEntry const& entry : soft_entries()) results.push_back(entry.info);
   std::ranges::move(shear_entries(), std::back_inserter(results));
   return results;
 }

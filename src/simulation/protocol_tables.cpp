@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -13,6 +14,45 @@
 namespace gridlock {
 
 namespace {
+
+/// An entry of summary.json for a stage of Monte Carlo.
+struct SwapEntry {
+  ColumnInfo info;
+  std::function<std::optional<Estimate>(SwapResult const&)> estimate_of;
+};
+
+/// Returns the mean packing fraction at constant pressure.
+std::optional<Estimate> density_at_pressure(SwapResult const& swap) {
+  BlockAverage average;
+  for (std::size_t k = swap.adjusting_stretches; k < swap.packing_fractions.size(); ++k)
+    average.add(swap.packing_fractions[k]);
+  return average.estimate();
+}
+
+std::vector<SwapEntry> entries_of_swap() {
+  auto const number = [](std::optional<double> SwapResult::*member) {
+    return [member](SwapResult const& swap) {
+      return swap.*member ? std::optional(Estimate{.value = *(swap.*member), .error = {}}) : std::nullopt;
+    };
+  };
+  return {
+      {{"displacement_acceptance", "", "Share of the trial displacements that were accepted."},
+       number(&SwapResult::displacement_acceptance)},
+      {{"swap_acceptance", "", "Share of the trial swaps that were accepted."}, number(&SwapResult::swap_acceptance)},
+      {{"area_acceptance", "", "Share of the trial changes of the area that were accepted."},
+       number(&SwapResult::area_acceptance)},
+      {{"packing_fraction_at_pressure", "", "Mean φ at constant pressure, with the error of blocks."},
+       density_at_pressure},
+      {{"overlap_relaxation_time", "sweeps", "Where the share of disks in their old cages has fallen to 1/e."},
+       number(&SwapResult::overlap_relaxation_time)},
+      {{"bond_relaxation_time", "sweeps", "Where the correlation of the local hexatic order has fallen to 1/e."},
+       number(&SwapResult::bond_relaxation_time)},
+      {{"relaxation_times", "", "How many of the longer relaxation time the stage has lasted."},
+       number(&SwapResult::relaxation_times)},
+      {{"is_equilibrated", "", "1 where these are ten or more, else 0."}, [](SwapResult const& swap) {
+         return std::optional(Estimate{.value = swap.is_equilibrated ? 1.0 : 0.0, .error = {}});
+       }}};
+}
 
 ColumnInfo number_of_stage() {
   return {.name = "stage", .documentation = "The number of the stage, from 1.", .is_count = true};
@@ -116,7 +156,7 @@ Distribution swap_table(std::vector<StageResult> const& stages) {
 
 Distribution density_table(std::vector<StageResult> const& stages) {
   Distribution table =
-      table_with("swap_density", {count("sweep", "Sweeps of the stage at the end of a stretch of sweeps."),
+      table_with("swap_density", {count("sweeps_done", "Sweeps of the stage at the end of a stretch of sweeps."),
                                   {"packing_fraction", "", "Mean of φ in the stretch."}});
   for (std::size_t k = 0; k < stages.size(); ++k) {
     if (!stages[k].swap) continue;
@@ -133,6 +173,21 @@ std::vector<Distribution> shear_tables(std::vector<StageResult> const& stages) {
     if (stages[k].shear) add_stage(static_cast<double>(k + 1), *stages[k].shear, tables);
   }
   return tables;
+}
+
+std::vector<ColumnInfo> swap_entries() {
+  std::vector<ColumnInfo> infos;
+  for (SwapEntry const& entry : entries_of_swap()) infos.push_back(entry.info);
+  return infos;
+}
+
+std::vector<NamedEstimate> swap_results(SwapResult const& swap) {
+  std::vector<NamedEstimate> results;
+  for (SwapEntry const& entry : entries_of_swap()) {
+    std::optional<Estimate> const estimate = entry.estimate_of(swap);
+    if (estimate && std::isfinite(estimate->value)) results.push_back({entry.info.name, *estimate, ""});
+  }
+  return results;
 }
 
 std::vector<ColumnInfo> shear_entries() {

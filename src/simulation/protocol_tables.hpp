@@ -17,6 +17,11 @@ Distribution density_table(std::vector<StageResult> const& stages);
 /// there are none.
 std::vector<Distribution> shear_tables(std::vector<StageResult> const& stages);
 
+/// Returns the entries of summary.json for a stage of Monte Carlo.
+std::vector<NamedEstimate> swap_results(SwapResult const& swap);
+/// Returns their names and meaning.
+std::vector<ColumnInfo> swap_entries();
+
 /// Returns the entries of summary.json for a stage `shear`.
 std::vector<NamedEstimate> shear_results(ShearResult const& shear);
 /// Returns their names and meaning.

@@ -104,13 +104,14 @@ struct SwapReport {
 /// order of the rows or a resumed checkpoint. The clock of the state does not change. Errors: Error for settings out of
 /// their bounds, no disks, and a state that validate() refuses.
 ///
-/// At constant pressure each sweep ends with a trial change of the area. The sides of the box stay, and all radii change
-/// by one factor: with the area v = A/D̄² in units of the disks, the weight of v and of positions relative to the box is
+/// At constant pressure each sweep ends with a trial change of the area. The sides of the box stay, and all radii
+/// change by one factor. With the area v = A/D̄² in units of the disks, v and positions relative to the box have the
+/// weight
 ///
 ///     vᴺ exp(−βP D̄² v)   where no disks overlap, else 0
 ///
-/// (W. W. Wood 1968, doi:10.1063/1.1667938, for hard disks). A trial is symmetric in ln v. The area changes by about
-/// v/N at a time, so N sweeps are the shortest time in which it finds its mean.
+/// (W. W. Wood 1968, doi:10.1063/1.1667938, for hard disks). A trial is symmetric in ln v. The area changes by
+/// about v/N at a time, so N sweeps are the shortest time in which it finds its mean.
 /// Cost: docs/notebook/jamming.md; 100 bytes a disk, and up to 20 MB for the correlations.
 class SwapMonteCarlo {
  public:
