@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/table.hpp"
 #include "io/file.hpp"
 #include "io/playground_link.hpp"
 #include "terminal.hpp"
@@ -58,7 +60,16 @@ ExitCode verify_one(std::filesystem::path const& run, gridlock::VerifyOptions co
   return ExitCode::bad_input;
 }
 
-ExitCode verify_all(std::vector<std::filesystem::path> const& runs, gridlock::VerifyOptions const& options) {
+/// Returns the number of runs in the table of a sweep; 0 where there is none.
+std::size_t runs_of_sweep(std::filesystem::path const& directory) {
+  std::error_code ignored;
+  std::filesystem::path const table = directory / "sweep.csv";
+  return std::filesystem::exists(table, ignored) ? gridlock::read_csv(table).row_count() : 0;
+}
+
+/// Verifies runs, of which there should be as many as planned.
+ExitCode verify_all(std::vector<std::filesystem::path> const& runs, std::size_t planned,
+                    gridlock::VerifyOptions const& options) {
   std::size_t good = 0;
   std::size_t different = 0;
   for (std::filesystem::path const& run : runs) {
@@ -66,15 +77,24 @@ ExitCode verify_all(std::vector<std::filesystem::path> const& runs, gridlock::Ve
     if (exit_code == ExitCode::good) ++good;
     if (exit_code == ExitCode::run_failed) ++different;
   }
-  std::size_t const others = runs.size() - good - different;
-  fmt::print("{} of {} runs verified; {} differ, {} cannot be verified\n", good, runs.size(), different, others);
+  std::size_t const all = std::max(runs.size(), planned);
+  std::size_t const others = all - good - different;
+  if (all > runs.size()) fmt::print("cannot be verified: {} runs of the sweep are missing\n", all - runs.size());
+  fmt::print("{} of {} runs verified; {} different, {} cannot be verified\n", good, all, different, others);
   if (different > 0) return ExitCode::run_failed;
   return others > 0 ? ExitCode::bad_input : ExitCode::good;
 }
 
 ExitCode verify(VerifyCommandOptions options) {
   std::vector<std::filesystem::path> const runs = gridlock::runs_below(options.directory);
-  if (runs.size() > 1 || runs.front() != options.directory) return verify_all(runs, options.verify);
+  if (runs.size() > 1 || runs.front() != options.directory) {
+    if (options.links) {
+      throw gridlock::Error({.what = fmt::format("{} holds several runs, and a link one", options.directory),
+                             .hint = "name one of its runs",
+                             .key = "--link"});
+    }
+    return verify_all(runs, runs_of_sweep(options.directory), options.verify);
+  }
   std::optional<ProgressLine> line(std::in_place);
   options.verify.on_progress = [&](double fraction) { line->show(fraction, "replayed"); };
   gridlock::Verification const found = gridlock::verify_run(runs.front(), options.verify);

@@ -22,6 +22,7 @@ constexpr double wanted_acceptance = 0.4;  // fraction of displacements accepted
 constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // gives the accepted fraction to ±0.015
 constexpr std::uint64_t max_stages = std::uint64_t{1} << 24;
 constexpr double enough_relaxation_times = 10.0;
+constexpr double largest_drift = 0.5;  // of a density in equilibrium; a hundred independent values drift by 0.2
 
 void require(bool holds, std::string what, std::string hint, std::string key) {
   if (!holds) throw Error({.what = std::move(what), .hint = std::move(hint), .key = std::move(key)});
@@ -60,6 +61,26 @@ double mean_diameter(State const& state) {
 std::optional<double> share(std::uint64_t part, std::uint64_t all) {
   if (all == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(all);
+}
+
+/// Returns how far the mean packing fraction of the later half of the stretches that count is from that of the earlier
+/// half, in standard deviations of all of them.
+std::optional<double> drift_of(std::vector<SwapDensity> const& densities) {
+  std::vector<double> values;
+  for (SwapDensity const& density : densities) {
+    if (!density.is_adjusting) values.push_back(density.packing_fraction);
+  }
+  if (values.size() < 2) return std::nullopt;
+  std::size_t const half = values.size() / 2;
+  double halves[2] = {0.0, 0.0};
+  double mean = 0.0;
+  double square = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    halves[k < half ? 0 : 1] += values[k] / static_cast<double>(k < half ? half : values.size() - half);
+    mean += values[k] / static_cast<double>(values.size());
+  }
+  for (double const value : values) square += (value - mean) * (value - mean) / static_cast<double>(values.size());
+  return square > 0.0 ? std::optional((halves[1] - halves[0]) / std::sqrt(square)) : std::nullopt;
 }
 
 void serialize_counts(Archive& archive, SwapCounts& counts) {
@@ -187,8 +208,19 @@ SwapReport SwapMonteCarlo::report() const {
     double const longer = std::max(*report.overlap_relaxation_time, *report.bond_relaxation_time);
     report.relaxation_times = static_cast<double>(progress.sweep - progress.adjusting_sweeps) / longer;
   }
-  report.is_equilibrated = report.relaxation_times.value_or(0.0) >= enough_relaxation_times;
-  if (!report.is_equilibrated) report.warning = progress.missing(report);
+  report.density_drift = drift_of(densities());
+  bool const drifts = std::abs(report.density_drift.value_or(0.0)) >= largest_drift;
+  bool const is_relaxed = report.relaxation_times.value_or(0.0) >= enough_relaxation_times;
+  report.is_equilibrated = is_relaxed && !drifts;
+  if (!is_relaxed) {
+    report.warning = progress.missing(report);
+  } else if (drifts) {
+    report.warning = fmt::format(
+        "the packing fraction has not found its mean: from the first to the second half of the sweeps it changes by "
+        "{:.2g} "
+        "standard deviations; use more sweeps",
+        *report.density_drift);
+  }
   return report;
 }
 

@@ -44,11 +44,11 @@ std::size_t exchange_points(Communicator& processes, Domain const& domain, Point
       processes, points.x.size(),
       [&](std::size_t i, auto give) {
         Vector const p = points[i];
-        auto const [first, second] = numbers_of(i);
+        std::pair<double, double> const numbers = numbers_of(i);
         std::size_t const owner = domain.owner_of(p);
-        give(owner, SentPoint{first, second, 0});
+        give(owner, SentPoint{numbers.first, numbers.second, 0});
         domain.for_each_that_sees(p, [&](std::size_t process) {
-          if (process != owner) give(process, SentPoint{first, second, 1});
+          if (process != owner) give(process, SentPoint{numbers.first, numbers.second, 1});
         });
       },
       [&](SentPoint const& point) {

@@ -143,6 +143,7 @@ class SwapStage final : public Stage {
                     .overlap_relaxation_time = report.overlap_relaxation_time,
                     .bond_relaxation_time = report.bond_relaxation_time,
                     .relaxation_times = report.relaxation_times,
+                    .density_drift = report.density_drift,
                     .is_equilibrated = report.is_equilibrated};
     for (SwapCorrelation const& correlation : swap_.correlations()) {
       swap.lags.push_back(static_cast<double>(correlation.lag));

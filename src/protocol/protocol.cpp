@@ -36,6 +36,7 @@ void serialize_swap(Archive& archive, SwapResult& swap) {
   serialize_optional(archive, "overlap_relaxation_time", swap.overlap_relaxation_time);
   serialize_optional(archive, "bond_relaxation_time", swap.bond_relaxation_time);
   serialize_optional(archive, "relaxation_times", swap.relaxation_times);
+  serialize_optional(archive, "density_drift", swap.density_drift);
   archive.visit("is_equilibrated", swap.is_equilibrated);
   archive.visit("lags", swap.lags);
   archive.visit("self_overlap", swap.self_overlap);

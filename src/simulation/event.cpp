@@ -240,6 +240,12 @@ std::string text_of_stage(Event const& event) {
   std::string const stage = fmt::format("stage {} of the protocol, \"{}\"", of.count("stage"), of.word("name"));
   switch (event.kind) {
     case EventKind::stage_not_equilibrated:
+      if (find(event, "density_drift") != nullptr) {
+        return fmt::format(
+            "{}, is no equilibrium: from the first to the second half of the sweeps its mean packing fraction changes "
+            "by {:.2g} standard deviations; use more sweeps",
+            stage, of.number("density_drift"));
+      }
       return find(event, "relaxation_times") == nullptr
                  ? stage + ", is no equilibrium: the disks have not forgotten where they began; use more sweeps"
                  : fmt::format("{}, is no equilibrium: its sweeps are {:.3g} relaxation times, and it takes 10", stage,

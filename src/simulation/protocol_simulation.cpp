@@ -236,7 +236,11 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   if (stage.swap && !stage.swap->is_equilibrated) {
     Event note = note_on(EventKind::stage_not_equilibrated, stage, number);
     std::optional<double> const times = stage.swap->relaxation_times;
-    if (times && std::isfinite(*times)) note.values.emplace_back("relaxation_times", *times);
+    if (times && *times >= 10.0) {
+      note.values.emplace_back("density_drift", stage.swap->density_drift.value_or(0.0));
+    } else if (times && std::isfinite(*times)) {
+      note.values.emplace_back("relaxation_times", *times);
+    }
     return note;
   }
   if (stage.levels.empty()) return std::nullopt;

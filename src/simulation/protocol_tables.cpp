@@ -49,7 +49,8 @@ std::vector<SwapEntry> entries_of_swap() {
        number(&SwapResult::bond_relaxation_time)},
       {{"relaxation_times", "", "How many of the longer relaxation time the stage has lasted."},
        number(&SwapResult::relaxation_times)},
-      {{"is_equilibrated", "", "1 where these are ten or more, else 0."}, [](SwapResult const& swap) {
+      {{"is_equilibrated", "", "1 where these are ten or more, and the density at a pressure does not drift; else 0."},
+       [](SwapResult const& swap) {
          return std::optional(Estimate{.value = swap.is_equilibrated ? 1.0 : 0.0, .error = {}});
        }}};
 }

@@ -118,7 +118,12 @@ std::vector<HashLink> chosen_states(std::vector<HashLink> const& links, fs::path
 
 /// Compares the end of the chain with the summary, which has the same hash.
 void compare_summary(HashLink const& end, RunSummary const& summary, Verification& found) {
-  if (end.of != "end" || summary.status != RunStatus::finished || end.hash == summary.state_hash) return;
+  if (summary.status != RunStatus::finished || (end.of == "end" && end.hash == summary.state_hash)) return;
+  if (end.of != "end") {
+    found.difference = fmt::format("{} ends with step {}, and {} says that the run has finished: lines are missing",
+                                   hashes_name, end.step, summary_name);
+    return;
+  }
   found.difference = fmt::format("the state_hash in {} is {:016x}, and the last in {} is {:016x}", summary_name,
                                  summary.state_hash, hashes_name, end.hash);
 }
@@ -196,11 +201,14 @@ std::string to_text(Verification const& found) {
   std::string agree = found.hashes == 1 ? "1 hash" : fmt::format("{} hashes", found.hashes);
   if (found.states > 0) agree += ", " + count(found.states, "kept state");
   if (found.frames > 0) agree += ", " + count(found.frames, "frame");
-  std::string const what = found.windows > 0
-                               ? fmt::format("{} with {} of its {} steps", count(found.windows, "window"), found.steps,
-                                             found.last_step - found.first_step)
-                               : fmt::format("steps {} to {}{}", found.first_step, found.last_step,
-                                             found.is_finished ? "" : ", as far as the unfinished run is recorded");
+  std::string const steps = found.last_step > found.first_step
+                                ? fmt::format("steps {} to {}", found.first_step, found.last_step)
+                                : std::string("the start and the stages of its protocol");
+  std::string const what =
+      found.windows > 0
+          ? fmt::format("{} with {} of its {} steps", count(found.windows, "window"), found.steps,
+                        found.last_step - found.first_step)
+          : fmt::format("{}{}", steps, found.is_finished ? "" : ", as far as the unfinished run is recorded");
   return fmt::format("verified: {}: {}: {} agree bit for bit, {}", directory, what, agree, with);
 }
 

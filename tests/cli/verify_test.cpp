@@ -96,6 +96,8 @@ TEST(Verify, FindsAFlippedBitInTheChainInAKeptStateAndInAFrame) {
   flip_bit(workplace / "out/hashes.csv", chain.find("\"run\",300,\"") + 11);
   expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 1,
                "\"run\" of step 300, of hashes.csv was changed since the run");
+  write(workplace / "out/hashes.csv", chain.substr(0, chain.rfind('\n', chain.size() - 2) + 1));
+  expect_words(in(workplace, {"verify", "out"}), 1, "summary.json says that the run has finished: lines are missing");
   write(workplace / "out/hashes.csv", chain);
 
   fs::path const state = workplace / "out/states/000000000400/checkpoint.gridlock";
@@ -172,11 +174,14 @@ TEST(Verify, SaysOfASweepHowManyOfItsRunsAgree) {
   Workplace const workplace;
   write(workplace / "sweep.toml", "disks.count = 25\nrun.steps = 200\n[sweep]\nrun.seed = [1, 2, 3]\n");
   expect_good(in(workplace, {"sweep", "sweep.toml", "-o", "out", "-q"}));
-  expect_words(in(workplace, {"verify", "out"}), 0, "3 of 3 runs verified; 0 differ, 0 cannot be verified");
+  expect_words(in(workplace, {"verify", "out"}), 0, "3 of 3 runs verified; 0 different, 0 cannot be verified");
+  fs::rename(workplace / "out/runs/seed=1", workplace / "taken_away");
+  expect_words(in(workplace, {"verify", "out"}), 2, "2 of 3 runs verified; 0 different, 1 cannot be verified");
+  fs::rename(workplace / "taken_away", workplace / "out/runs/seed=1");
   fs::remove(workplace / "out/runs/seed=2/hashes.csv");
-  expect_words(in(workplace, {"verify", "out"}), 2, "2 of 3 runs verified; 0 differ, 1 cannot be verified");
+  expect_words(in(workplace, {"verify", "out"}), 2, "2 of 3 runs verified; 0 different, 1 cannot be verified");
   replace(workplace / "out/runs/seed=3/hashes.csv", "\"end\"", "\"run\"");
-  expect_words(in(workplace, {"verify", "out"}), 1, "1 of 3 runs verified; 1 differ, 1 cannot be verified");
+  expect_words(in(workplace, {"verify", "out"}), 1, "1 of 3 runs verified; 1 different, 1 cannot be verified");
 }
 
 TEST(Verify, OfALongRunComparesNoMoreThan200HashesAlongItWhichAreEvenlySpread) {

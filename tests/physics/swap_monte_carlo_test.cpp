@@ -191,6 +191,15 @@ TEST(MonteCarloAtConstantPressure, GivesTwoDisksInAPeriodicBoxTheirExactDensity)
   }
 }
 
+// v exp(−P v) for D ≤ 1, the side of the box: ⟨φ⟩ = (π/4) ∫ e^(−Pv) dv / ∫ v e^(−Pv) dv = (π/4) P/(1 + P), v > 1.
+TEST(MonteCarloAtConstantPressure, LetsNoDiskOverlapItsOwnImage) {
+  State state{.box = Box(1.0, 1.0, Edge::periodic), .seed = 7};
+  state.agents.add(0.5, 0.5, 0.0, 0.0, 0.2, 1.0, 0, 0);
+  Mean const density = density_at_pressure(state, 2.0);
+  EXPECT_LT(density.error, 0.003);
+  EXPECT_NEAR(density.value, 0.25 * std::numbers::pi * 2.0 / 3.0, 4.0 * density.error);
+}
+
 /// Makes dense disks by trial moves and, in between, by letting all grow until two touch.
 State compressed(State state, double packing_fraction) {
   auto const radii = state.agents.column<Radius>();

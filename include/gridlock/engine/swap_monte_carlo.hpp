@@ -86,7 +86,11 @@ struct SwapReport {
   std::optional<double> bond_relaxation_time;
   /// Sweeps since the step was fixed over the longer of the two relaxation times; absent if one of them is absent.
   std::optional<double> relaxation_times;
-  bool is_equilibrated = false;  ///< whether relaxation_times ≥ 10
+  /// Difference of the mean packing fractions of the second and the first half of the sweeps that count, over the
+  /// standard deviation; absent at constant area. A trend makes it large, to 1.7.
+  std::optional<double> density_drift;
+  /// Whether relaxation_times ≥ 10 and |density_drift| < 0.5.
+  bool is_equilibrated = false;
   std::string warning;           ///< the reason why is_equilibrated is false; else empty
 };
 

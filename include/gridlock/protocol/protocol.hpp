@@ -47,6 +47,7 @@ struct SwapResult {
   std::optional<double> overlap_relaxation_time = {};  ///< in sweeps, also the next
   std::optional<double> bond_relaxation_time = {};
   std::optional<double> relaxation_times = {};
+  std::optional<double> density_drift = {};
   bool is_equilibrated = false;
   std::vector<double> lags = {};  ///< lags in sweeps
   std::vector<double> self_overlap = {};

@@ -95,12 +95,14 @@ std::vector<SwapDensity> AreaChanges::densities() const {
 
 void AreaChanges::serialize(Archive& archive, std::uint64_t sweeps_done) {
   archive.visit("area", area_);
+  archive.visit("packing_fraction_times_area", packing_fraction_times_area_);
   archive.visit("largest", largest_);
   archive.visit("adjusting_trials", adjusting_trials_);
   archive.visit("adjusting_accepted", adjusting_accepted_);
   archive.visit("sum", sum_);
   archive.visit("packing_fractions", packing_fractions_);
   archive.require(area_ > 0.0 && std::isfinite(area_), "an area is not positive");
+  archive.require(packing_fraction_times_area_ > 0.0, "a packing fraction is not positive");
   archive.require(largest_ >= least_change && largest_ <= greatest_change, "a change of the area is out of bounds");
   archive.require(packing_fractions_.size() == sweeps_done / stretch_, "packing fractions of sweeps are missing");
 }

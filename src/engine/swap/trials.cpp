@@ -42,13 +42,16 @@ bool SwapTrials::scale_radii(double factor) {
   }
   double const largest_before = std::exchange(largest_radius_, largest_radius_ * factor);
   if (factor <= 1.0) return true;
-  // The margin keeps the grid through many small steps.
-  if (2.0 * largest_radius_ > widest_contact_) fill_grid(1.02);
-  for (std::uint32_t i = 0; i < disks_.size(); ++i) {
-    if (is_free({disks_[i].position, disks_[i].radius, i, nobody})) continue;
+  auto const undo = [&] {
     for (std::size_t k = 0; k < disks_.size(); ++k) disks_[k].radius = radii_before_[k];
     largest_radius_ = largest_before;
     return false;
+  };
+  if (2.0 * largest_radius_ > box_.shortest_period()) return undo();  // a disk would overlap its own image
+  // The margin keeps the grid through many small steps.
+  if (2.0 * largest_radius_ > widest_contact_) fill_grid(1.02);
+  for (std::uint32_t i = 0; i < disks_.size(); ++i) {
+    if (!is_free({disks_[i].position, disks_[i].radius, i, nobody})) return undo();
   }
   return true;
 }

@@ -165,6 +165,23 @@ TEST(SwapMonteCarlo, AdjustsTheChangesOfTheAreaAndKeepsTheMixture) {
   EXPECT_EQ(std::ranges::count_if(densities, &SwapDensity::is_adjusting), 100);
 }
 
+TEST(SwapMonteCarlo, SaysThatADensityThatDriftsIsNoEquilibrium) {
+  auto const report = [](std::uint64_t sweeps) {
+    State state = fluid(60, 0.3);
+    SwapMonteCarlo swaps({.sweeps = sweeps, .swap_fraction = 0.0, .pressure = 5.0}, state);
+    swaps.advance(state);
+    return swaps.report();
+  };
+  SwapReport const drifts = report(1500);
+  EXPECT_GE(drifts.relaxation_times.value_or(0.0), 10.0);
+  EXPECT_GT(drifts.density_drift.value_or(0.0), 1.0);
+  EXPECT_FALSE(drifts.is_equilibrated);
+  EXPECT_NE(drifts.warning.find("packing fraction"), std::string::npos);
+  SwapReport const rests = report(60'000);
+  EXPECT_LT(std::abs(rests.density_drift.value_or(1.0)), 0.5);
+  EXPECT_TRUE(rests.is_equilibrated);
+}
+
 TEST(SwapMonteCarlo, KeepsAStepThatIsGiven) {
   State state = fluid(100, 0.3);
   SwapMonteCarlo swaps({.sweeps = 100, .step = 0.05}, state);

@@ -27,6 +27,7 @@ void expect_same(SwapResult const& a, SwapResult const& b) {
   EXPECT_EQ(a.overlap_relaxation_time, b.overlap_relaxation_time);
   EXPECT_EQ(a.bond_relaxation_time, b.bond_relaxation_time);
   EXPECT_EQ(a.relaxation_times, b.relaxation_times);
+  EXPECT_EQ(a.density_drift, b.density_drift);
   EXPECT_EQ(a.is_equilibrated, b.is_equilibrated);
   EXPECT_EQ(a.lags, b.lags);
   EXPECT_EQ(a.self_overlap, b.self_overlap);
