@@ -77,7 +77,7 @@ TEST(Measures, FewFilesAreLong) {
                                                  {"src/engine/tiled/share.cpp", 511},
                                                  {"src/io/h5md_writer.cpp", 543},
                                                  {"src/packing/minimizer.cpp", 454},
-                                                 {"src/simulation/protocol_simulation.cpp", 476}};
+                                                 {"src/simulation/protocol_simulation.cpp", 480}};
   for (fs::path const& path : sources()) {
     std::string const name = path.lexically_relative(root).string();
     std::size_t const allowed = known.contains(name) ? known.at(name) : max_lines;

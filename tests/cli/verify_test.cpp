@@ -83,7 +83,7 @@ TEST(Verify, AcceptsAPackingStageByStage) {
            "disks = { count = 20, packing_fraction = 0.4, start = \"random\" }\nbox.edge = \"periodic\"\n"
            "protocol = [{ stage = \"quench\", packing_fraction = 0.9 }, { stage = \"decompress\", until_pressure = "
            "1e-3 }]\n");
-  expect_words(in(workplace, {"verify", "out"}), 0, "steps 0 to 0: 5 hashes agree");
+  expect_words(in(workplace, {"verify", "out"}), 0, "the start and the stages of its protocol: 5 hashes agree");
   expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 2, "has kept no states, so only the whole run");
   replace(workplace / "out/config.resolved.toml", "packing_fraction = 0.9", "packing_fraction = 0.91");
   expect_words(in(workplace, {"verify", "out"}), 2, "packing_fraction");
