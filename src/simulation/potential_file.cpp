@@ -53,7 +53,7 @@ std::filesystem::path take_table_file(PotentialSettings& potential, std::filesys
          .hint = "leave out potential.file, or potential.distances and potential.energies",
          .key = "potential.file"});
   }
-  std::filesystem::path const path = directory / potential.file;
+  std::filesystem::path path = directory / potential.file;
   Table const rows = read_csv(path);
   for (char const* column : {"distance", "energy"}) {
     if (rows.contains(column)) continue;

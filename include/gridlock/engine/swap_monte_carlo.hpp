@@ -91,7 +91,7 @@ struct SwapReport {
   std::optional<double> density_drift;
   /// Whether relaxation_times ≥ 10 and |density_drift| < 0.5.
   bool is_equilibrated = false;
-  std::string warning;           ///< the reason why is_equilibrated is false; else empty
+  std::string warning;  ///< the reason why is_equilibrated is false; else empty
 };
 
 /// Monte Carlo of hard disks in which disks also exchange their radii.

@@ -36,10 +36,10 @@ namespace gridlock {
 /// The progress of the preparation of a simulation.
 struct Preparation {
   double fraction = 1.0;
-  std::string what;          ///< the present stage: "quench"; empty at the end
-  std::uint64_t work = 0;    ///< a number that grows with the work done
-  std::size_t stages = 0;    ///< number of stages of the protocol; 0 without a protocol
-  std::size_t finished = 0;  ///< number of finished stages
+  std::string what;                              ///< the present stage: "quench"; empty at the end
+  std::uint64_t work = 0;                        ///< a number that grows with the work done
+  std::size_t stages = 0;                        ///< number of stages of the protocol; 0 without a protocol
+  std::size_t finished = 0;                      ///< number of finished stages
   std::vector<std::uint64_t> state_hashes = {};  ///< at the end of each finished stage
 };
 

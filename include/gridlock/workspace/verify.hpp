@@ -43,7 +43,7 @@ struct Verification {
   std::string version;               ///< of this program
   std::string target;                ///< instructions of the replay
   std::string recorded_version;      ///< of the run; empty if it is not finished
-  std::string recorded_target = "";  ///< instructions of the run
+  std::string recorded_target = {};  ///< instructions of the run
 };
 
 /// Replays the run in a directory, or windows of it, and compares each recorded state hash, frame and kept state that
