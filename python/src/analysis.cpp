@@ -360,16 +360,16 @@ auto combine_runs(ValuesOfRuns const& values, ValuesOfRuns const& errors) {
 
 void bind_analysis(nb::module_& module) {
   module.def("dynamics", &dynamics, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
-             nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("most_lags"), nb::arg("keeps_drift"),
+             nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("max_lags"), nb::arg("keeps_drift"),
              nb::arg("threads"), nb::arg("neighbourhood").none());
   module.def("collective_scattering", &collective_scattering, nb::arg("positions"), nb::arg("times"),
-             nb::arg("kinds").none(), nb::arg("box"), nb::arg("wave_number"), nb::arg("width"), nb::arg("most_lags"),
+             nb::arg("kinds").none(), nb::arg("box"), nb::arg("wave_number"), nb::arg("width"), nb::arg("max_lags"),
              nb::arg("threads"));
   module.def("van_hove", &van_hove, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
-             nb::arg("box").none(), nb::arg("lags"), nb::arg("range"), nb::arg("bins"), nb::arg("most_origins"),
+             nb::arg("box").none(), nb::arg("lags"), nb::arg("range"), nb::arg("bins"), nb::arg("max_origins"),
              nb::arg("threads"));
   module.def("string_lengths", &string_lengths, nb::arg("positions"), nb::arg("times"), nb::arg("box").none(),
-             nb::arg("lags"), nb::arg("distance"), nb::arg("mobile_share"), nb::arg("most_origins"));
+             nb::arg("lags"), nb::arg("distance"), nb::arg("mobile_share"), nb::arg("max_origins"));
   module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
              nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
   module.def("order_correlation", &order_correlation, nb::arg("points"), nb::arg("orders"), nb::arg("box"),

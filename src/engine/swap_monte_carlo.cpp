@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "engine/swap/area.hpp"
@@ -63,24 +64,31 @@ std::optional<double> share(std::uint64_t part, std::uint64_t all) {
   return static_cast<double>(part) / static_cast<double>(all);
 }
 
-/// Returns how far the mean packing fraction of the later half of the stretches that count is from that of the earlier
-/// half, in standard deviations of all of them.
-std::optional<double> drift_of(std::vector<SwapDensity> const& densities) {
+/// Returns the packing fractions of the stretches that averages take.
+std::vector<double> packing_fractions_that_count(std::vector<SwapDensity> const& densities) {
   std::vector<double> values;
   for (SwapDensity const& density : densities) {
     if (!density.is_adjusting) values.push_back(density.packing_fraction);
   }
+  return values;
+}
+
+double mean_of(std::span<double const> values) {
+  double sum = 0.0;
+  for (double const value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Returns how far the mean of the later half of values is from that of the earlier half, in standard deviations of
+/// all.
+std::optional<double> drift_of(std::span<double const> values) {
   if (values.size() < 2) return std::nullopt;
-  std::size_t const half = values.size() / 2;
-  double halves[2] = {0.0, 0.0};
-  double mean = 0.0;
+  double const mean = mean_of(values);
   double square = 0.0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    halves[k < half ? 0 : 1] += values[k] / static_cast<double>(k < half ? half : values.size() - half);
-    mean += values[k] / static_cast<double>(values.size());
-  }
   for (double const value : values) square += (value - mean) * (value - mean) / static_cast<double>(values.size());
-  return square > 0.0 ? std::optional((halves[1] - halves[0]) / std::sqrt(square)) : std::nullopt;
+  if (!(square > 0.0)) return std::nullopt;
+  std::size_t const half = values.size() / 2;
+  return (mean_of(values.subspan(half)) - mean_of(values.first(half))) / std::sqrt(square);
 }
 
 void serialize_counts(Archive& archive, SwapCounts& counts) {
@@ -208,7 +216,9 @@ SwapReport SwapMonteCarlo::report() const {
     double const longer = std::max(*report.overlap_relaxation_time, *report.bond_relaxation_time);
     report.relaxation_times = static_cast<double>(progress.sweep - progress.adjusting_sweeps) / longer;
   }
-  report.density_drift = drift_of(densities());
+  std::vector<double> const packing_fractions = packing_fractions_that_count(densities());
+  report.density_drift = drift_of(packing_fractions);
+  if (!packing_fractions.empty()) report.reduced_pressure = progress.area->reduced_pressure(mean_of(packing_fractions));
   bool const drifts = std::abs(report.density_drift.value_or(0.0)) >= largest_drift;
   bool const is_relaxed = report.relaxation_times.value_or(0.0) >= enough_relaxation_times;
   report.is_equilibrated = is_relaxed && !drifts;

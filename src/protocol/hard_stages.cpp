@@ -127,8 +127,7 @@ class RunStage final : public Stage {
 class SwapStage final : public Stage {
  public:
   SwapStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
-      : swap_(swap_settings(protocol.stages[number], number), state),
-        pressure_(protocol.stages[number].pressure.value_or(0.0)) {}
+      : swap_(swap_settings(protocol.stages[number], number), state) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     return swap_.advance(state, should_continue);
@@ -150,20 +149,13 @@ class SwapStage final : public Stage {
       swap.self_overlap.push_back(correlation.self_overlap);
       swap.bond_orientation.push_back(correlation.bond_orientation);
     }
-    StageResult stage{.packing_fraction = packing_fraction_of(state)};
-    double sum = 0.0;
     for (SwapDensity const& density : swap_.densities()) {
       swap.density_sweeps.push_back(static_cast<double>(density.sweep));
       swap.packing_fractions.push_back(density.packing_fraction);
       swap.adjusting_stretches += density.is_adjusting ? 1U : 0U;
-      sum += density.is_adjusting ? 0.0 : density.packing_fraction;
     }
-    if (sum > 0.0) {
-      double const mean = sum / static_cast<double>(swap.packing_fractions.size() - swap.adjusting_stretches);
-      stage.pressure = pressure_ * packing_fraction_by_density(state.agents) / mean;
-    }
-    stage.swap = std::move(swap);
-    return stage;
+    return {
+        .packing_fraction = packing_fraction_of(state), .pressure = report.reduced_pressure, .swap = std::move(swap)};
   }
 
  private:
@@ -175,15 +167,7 @@ class SwapStage final : public Stage {
     return swap;
   }
 
-  /// Returns φ/(ρ D̄²), D̄ the mean diameter: π/4 for equal disks.
-  static double packing_fraction_by_density(Disks const& disks) {
-    double diameters = 0.0;
-    for (double const radius : disks.column<Radius>()) diameters += 2.0 * radius;
-    return covered_area(disks) * static_cast<double>(disks.size()) / (diameters * diameters);
-  }
-
   SwapMonteCarlo swap_;
-  double pressure_;
 };
 
 }  // namespace

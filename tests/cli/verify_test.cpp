@@ -1,4 +1,4 @@
-// What a run has recorded is replayed and compared, and whatever was changed since is found and named.
+// `gridlock verify` replays a run, compares its record, and names each change since.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -163,15 +163,22 @@ double exact_density(double disks, double pressure, std::function<double(double)
   return sum / weights;
 }
 
+/// Expects the exact density at some pressures, with a standard error below `max_error`.
+void expect_exact_density(State const& state, std::vector<double> const& pressures, double max_error,
+                          std::function<double(double)> const& share_without_overlap) {
+  for (double const pressure : pressures) {
+    Mean const density = density_at_pressure(state, pressure);
+    double const exact = exact_density(static_cast<double>(state.agents.size()), pressure, share_without_overlap);
+    EXPECT_LT(density.error, max_error);
+    EXPECT_NEAR(density.value, exact, 4.0 * density.error) << pressure;
+  }
+}
+
 TEST(MonteCarloAtConstantPressure, GivesOneDiskBetweenWallsItsExactDensity) {
   State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 5};
   state.agents.add(0.5, 0.5, 0.0, 0.0, 0.2, 1.0, 0, 0);
   auto const share = [](double d) { return d < 1.0 ? (1.0 - d) * (1.0 - d) : 0.0; };
-  for (double const pressure : {2.0, 20.0}) {
-    Mean const density = density_at_pressure(state, pressure);
-    EXPECT_LT(density.error, 0.002);
-    EXPECT_NEAR(density.value, exact_density(1.0, pressure, share), 4.0 * density.error) << pressure;
-  }
+  expect_exact_density(state, {2.0, 20.0}, 0.002, share);
 }
 
 // One disk is cut out around the other, and four segments overlap where it is wider than the box.
@@ -184,11 +191,7 @@ TEST(MonteCarloAtConstantPressure, GivesTwoDisksInAPeriodicBoxTheirExactDensity)
     if (d > 0.5) cut -= 4.0 * (d * d * std::acos(0.5 / d) - 0.5 * std::sqrt(d * d - 0.25));
     return std::max(0.0, d * d < 0.5 ? 1.0 - cut : 0.0);
   };
-  for (double const pressure : {1.0, 10.0}) {
-    Mean const density = density_at_pressure(state, pressure);
-    EXPECT_LT(density.error, 0.002);
-    EXPECT_NEAR(density.value, exact_density(2.0, pressure, share), 4.0 * density.error) << pressure;
-  }
+  expect_exact_density(state, {1.0, 10.0}, 0.002, share);
 }
 
 // v exp(−P v) for D ≤ 1, the side of the box: ⟨φ⟩ = (π/4) ∫ e^(−Pv) dv / ∫ v e^(−Pv) dv = (π/4) P/(1 + P), v > 1.

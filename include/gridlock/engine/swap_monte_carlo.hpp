@@ -81,6 +81,8 @@ struct SwapReport {
   std::optional<double> displacement_acceptance;
   std::optional<double> swap_acceptance;  ///< absent if no swap of different radii was tried
   std::optional<double> area_acceptance;  ///< absent at constant area
+  /// βP/ρ at the mean packing fraction of the sweeps that count; absent at constant area.
+  std::optional<double> reduced_pressure;
   /// Lags at which Q and C₆ fall to 1/e, in sweeps; absent if they have not.
   std::optional<double> overlap_relaxation_time;
   std::optional<double> bond_relaxation_time;

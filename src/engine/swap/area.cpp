@@ -14,15 +14,8 @@ namespace {
 constexpr std::uint64_t stretches = 1000;
 constexpr std::uint64_t trials_of_an_adjustment = 50;
 constexpr double accepted_share = 0.4;
-constexpr double greatest_change = 0.05;
-constexpr double least_change = 1e-9;
-
-/// Returns Σ rⁿ over the disks, for n = 1 or 2, whatever the order of the rows.
-double sum_of_radii(State const& state, int power) {
-  ExactSum sum;
-  for (double const radius : state.agents.column<Radius>()) sum.add(power == 1 ? radius : radius * radius);
-  return sum.value();
-}
+constexpr double max_change = 0.05;
+constexpr double min_change = 1e-9;
 
 /// Returns ln((1 + η)/(1 − η)) for |η| ≤ 0.05, to the last digits and with the same bits everywhere.
 double logarithm_of_ratio(double eta) {
@@ -40,9 +33,16 @@ AreaChanges::AreaChanges(SwapSettings const& settings, std::uint64_t adjusting_s
       stretch_((settings.sweeps + stretches - 1) / stretches),
       pressure_(*settings.pressure),
       disks_(static_cast<double>(state.agents.size())) {
-  double const diameter = 2.0 * sum_of_radii(state, 1) / disks_;
+  // The bits of exact sums do not depend on the order of the rows.
+  ExactSum radii;
+  ExactSum squares;
+  for (double const radius : state.agents.column<Radius>()) {
+    radii.add(radius);
+    squares.add(radius * radius);
+  }
+  double const diameter = 2.0 * radii.value() / disks_;
   area_ = state.box.area() / (diameter * diameter);
-  packing_fraction_times_area_ = std::numbers::pi * sum_of_radii(state, 2) / (diameter * diameter);
+  packing_fraction_times_area_ = std::numbers::pi * squares.value() / (diameter * diameter);
 }
 
 double AreaChanges::take(SwapTrials& trials, std::uint64_t sweep, std::uint64_t number, SwapCounts& counts) {
@@ -71,7 +71,7 @@ double AreaChanges::take(SwapTrials& trials, std::uint64_t sweep, std::uint64_t 
 void AreaChanges::adjust() {
   if (adjusting_trials_ < trials_of_an_adjustment) return;
   double const share = static_cast<double>(adjusting_accepted_) / static_cast<double>(adjusting_trials_);
-  largest_ = std::clamp(largest_ * std::clamp(share / accepted_share, 0.5, 2.0), least_change, greatest_change);
+  largest_ = std::clamp(largest_ * std::clamp(share / accepted_share, 0.5, 2.0), min_change, max_change);
   adjusting_trials_ = 0;
   adjusting_accepted_ = 0;
 }
@@ -93,6 +93,10 @@ std::vector<SwapDensity> AreaChanges::densities() const {
   return densities;
 }
 
+double AreaChanges::reduced_pressure(double packing_fraction) const {
+  return pressure_ * packing_fraction_times_area_ / (disks_ * packing_fraction);
+}
+
 void AreaChanges::serialize(Archive& archive, std::uint64_t sweeps_done) {
   archive.visit("area", area_);
   archive.visit("packing_fraction_times_area", packing_fraction_times_area_);
@@ -103,7 +107,7 @@ void AreaChanges::serialize(Archive& archive, std::uint64_t sweeps_done) {
   archive.visit("packing_fractions", packing_fractions_);
   archive.require(area_ > 0.0 && std::isfinite(area_), "an area is not positive");
   archive.require(packing_fraction_times_area_ > 0.0, "a packing fraction is not positive");
-  archive.require(largest_ >= least_change && largest_ <= greatest_change, "a change of the area is out of bounds");
+  archive.require(largest_ >= min_change && largest_ <= max_change, "a change of the area is out of bounds");
   archive.require(packing_fractions_.size() == sweeps_done / stretch_, "packing fractions of sweeps are missing");
 }
 

@@ -20,6 +20,8 @@ class AreaChanges {
   double take(SwapTrials& trials, std::uint64_t sweep, std::uint64_t number, SwapCounts& counts);
 
   [[nodiscard]] std::vector<SwapDensity> densities() const;
+  /// Returns βP/ρ at a packing fraction.
+  [[nodiscard]] double reduced_pressure(double packing_fraction) const;
 
   void serialize(Archive& archive, std::uint64_t sweeps_done);
 

@@ -37,7 +37,7 @@ void SwapTrials::fill_grid(double growth) {
 bool SwapTrials::scale_radii(double factor) {
   radii_before_.clear();
   for (Disk& disk : disks_) {
-    radii_before_.push_back(disk.radius);
+    if (factor > 1.0) radii_before_.push_back(disk.radius);
     disk.radius *= factor;
   }
   double const largest_before = std::exchange(largest_radius_, largest_radius_ * factor);
