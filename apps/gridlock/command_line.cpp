@@ -62,12 +62,13 @@ struct OtherCommand {
 };
 
 constexpr char const* python_commands = "Commands of the Python package";
-constexpr std::array<OtherCommand, 4> other_commands{
+constexpr std::array<OtherCommand, 5> other_commands{
     {{"view", "Show a run, a sweep or a file in the browser, also while it is written", "Commands for the browser"},
      {"plot", "Draw the pictures of a run, sweep or packing from its data", python_commands},
      {"paper", "Make the paper's Figures 4 to 7 and check its claims", python_commands},
      {"jam", "Jam disks by quench, growth and decompression, shear them, and compare with published numbers",
-      python_commands}}};
+      python_commands},
+     {"melt", "Melt hard disks and compare pressures, order and defects with published numbers", python_commands}}};
 
 bool is_other_command(std::string_view word) {
   return std::ranges::find(other_commands, word, &OtherCommand::name) != other_commands.end();

@@ -48,7 +48,7 @@ def test_studies_use_the_public_interface():
 def test_pip_makes_the_commands_that_the_build_has():
     project = (pathlib.Path(__file__).resolve().parents[2] / "pyproject.toml").read_text()
     commands = dict(re.findall(r'^(gridlock-\w+) = "([\w.]+):main"$', project, re.MULTILINE))
-    assert {"gridlock-paper", "gridlock-jam"} <= set(commands)
+    assert {"gridlock-paper", "gridlock-jam", "gridlock-melt"} <= set(commands)
     assert all(callable(importlib.import_module(module).main) for module in commands.values())
     program = os.environ.get("GRIDLOCK_PROGRAM", "")
     if not program:  # the commands of the build are looked for beside it; tests that ctest runs always have it
@@ -57,7 +57,7 @@ def test_pip_makes_the_commands_that_the_build_has():
     assert {name for name, module in commands.items() if f"from {module} import main" in starters.get(name, "")} == set(commands)
 
 
-@pytest.mark.parametrize("study", ["paper", "jam"])
+@pytest.mark.parametrize("study", ["paper", "jam", "melt"])
 def test_a_study_replaces_no_file_of_the_user(tmp_path, study):
     make = importlib.import_module(f"gridlock_studies.{study}").make
     for name in ("figure_4.csv", "figure_5.svg", "runs.csv", "playground.html"):

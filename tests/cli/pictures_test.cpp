@@ -94,7 +94,7 @@ TEST_F(DrawnByAnother, RunNeedsItsLastState) {
 }
 
 TEST_F(DrawnByAnother, CommandThatIsMissingSaysWhatToInstall) {
-  for (std::string const command : {"plot", "paper", "jam"}) {
+  for (std::string const command : {"plot", "paper", "jam", "melt"}) {
     for (std::vector<std::string> const& words :
          {std::vector<std::string>{command}, {command, "--help"}, {"help", command}}) {
       Outcome const outcome = run(words);
