@@ -161,13 +161,18 @@ class Dynamics {
   Dynamics(Dynamics const&) = delete;
   Dynamics& operator=(Dynamics const&) = delete;
   virtual ~Dynamics() = default;
-  /// Advances by about so many events; returns βP/ρ while it does.
+  /// Advances by about so many events; returns βP/ρ while it does, whose weight in a mean is duration().
   virtual double advance(double events) = 0;
   [[nodiscard]] virtual std::vector<Vector> disks() const = 0;
   [[nodiscard]] std::uint64_t events() const { return events_; }
+  [[nodiscard]] double duration() const { return duration_of_last_; }
+  /// The sum of the displacements of all disks so far.
+  [[nodiscard]] Vector displacement() const { return displacement_; }
 
  protected:
   std::uint64_t events_ = 0;
+  double duration_of_last_ = 1.0;
+  Vector displacement_;
 };
 
 using Wide = __m512;
@@ -199,8 +204,8 @@ inline Keys above(double path) {
   return _mm512_or_epi32(_mm512_castps_si512(_mm512_set1_ps(rounded)), _mm512_set1_epi32(63));
 }
 inline std::uint64_t lanes_below(Keys bound, Keys first, Keys second) {
-  return _mm512_cmple_epu32_mask(first, bound) |
-         static_cast<std::uint64_t>(_mm512_cmple_epu32_mask(second, bound)) << 16U;
+  return _mm512_cmple_epu32_mask(first, bound) | static_cast<std::uint64_t>(_mm512_cmple_epu32_mask(second, bound))
+                                                     << 16U;
 }
 
 /// Lanes of a window of cells: places relative to the cell of the moving disk, and steps from cell to cell.
@@ -245,23 +250,27 @@ struct Pending {
 
 class StraightChains final : public Dynamics {
  public:
-  StraightChains(double side, std::vector<Vector> const& disks, std::uint64_t seed, double length)
+  StraightChains(double side, std::vector<Vector> const& disks, std::uint64_t seed, double length,
+                 double events_per_chain)
       : cells_(side, disks, {}),
         length_(length),
+        events_per_chain_(events_per_chain),
         seed_(seed),
         // Four cells ahead, so that a disk may leave its cell for the next one; two to each side.
         up_(window(cells_, 0, 4, -2, 5, 8)),
         right_(window(cells_, -2, 5, 0, 4, 4)) {}
 
   double advance(double events) override {
-    std::uint64_t const goal = events_ + static_cast<std::uint64_t>(events);
+    // A number of chains, not of events: chains up to a number of events would count long ones too often.
+    std::uint64_t const last = chains_ + std::max<std::uint64_t>(1, std::llround(events / events_per_chain_));
     double jumps = 0.0;
     double path = 0.0;
-    while (events_ < goal) {
+    while (chains_ < last) {
       RandomStream random(seed_, chains_, 0, Purpose::swap_trial);
       Cell const disk = cells_.random_disk(random);
       jumps += chains_ % 2 == 0 ? chain<false>(disk) : chain<true>(disk);
       path += length_;
+      (chains_ % 2 == 0 ? displacement_.y : displacement_.x) += length_;
       ++chains_;
     }
     return 1.0 + jumps / path;
@@ -335,9 +344,8 @@ class StraightChains final : public Dynamics {
       if (std::bit_cast<float>(least & ~63U) <= static_cast<float>(path)) [[likely]] {
         look(least & 63U);
         for (std::uint64_t others = lanes_below(above(path), keys_0, keys_1) & ~(std::uint64_t{1} << (least & 63U));
-             others != 0; others &= others - 1) [[unlikely]] {
-          look(static_cast<unsigned>(__builtin_ctzll(others)));
-        }
+             others != 0; others &= others - 1)
+          [[unlikely]] { look(static_cast<unsigned>(__builtin_ctzll(others))); }
       }
       rest -= path;
       double moved = a + path;
@@ -370,6 +378,7 @@ class StraightChains final : public Dynamics {
 
   Cells cells_;
   double length_;
+  double events_per_chain_;
   std::uint64_t seed_;
   std::uint64_t chains_ = 0;
   Window up_;
@@ -379,20 +388,22 @@ class StraightChains final : public Dynamics {
 class NewtonianChains final : public Dynamics {
  public:
   NewtonianChains(double side, std::vector<Vector> const& disks, std::vector<Vector> const& velocities,
-                  std::uint64_t seed, double duration)
+                  std::uint64_t seed, double duration, double events_per_chain)
       : cells_(side, disks, velocities),
         count_(static_cast<double>(disks.size())),
         duration_(duration),
+        events_per_chain_(events_per_chain),
         seed_(seed),
         // Three cells to each side, so that a disk may leave its cell for one beside it.
         window_(window(cells_, -3, 7, -3, 7, 8)) {}
 
   double advance(double events) override {
-    std::uint64_t const goal = events_ + static_cast<std::uint64_t>(events);
+    // A number of chains, not of events: chains up to a number of events would count long ones too often.
+    std::uint64_t const last = chains_ + std::max<std::uint64_t>(1, std::llround(events / events_per_chain_));
     double virial = 0.0;
     double time = 0.0;
     double const before = mean_square();
-    while (events_ < goal) {
+    while (chains_ < last) {
       RandomStream random(seed_, chains_, 0, Purpose::swap_trial);
       virial += chain(cells_.random_disk(random));
       time += duration_;
@@ -490,12 +501,12 @@ class NewtonianChains final : public Dynamics {
         for (std::uint64_t others =
                  (lanes_below(bound, found[0], found[1]) | lanes_below(bound, found[2], found[3]) << 32U) &
                  ~(std::uint64_t{1} << (least & 63U));
-             others != 0; others &= others - 1) [[unlikely]] {
-          look(static_cast<unsigned>(__builtin_ctzll(others)));
-        }
+             others != 0; others &= others - 1)
+          [[unlikely]] { look(static_cast<unsigned>(__builtin_ctzll(others))); }
       }
       double const time = hits ? path * inverse : std::min(border, rest);
       rest -= time;
+      displacement_ = displacement_ + Vector{u * time, v * time};
       double const stop_x = x + u * time;
       double const stop_y = y + v * time;
       int const columns = (stop_x >= width ? 1 : 0) - (stop_x < 0.0 ? 1 : 0);
@@ -543,6 +554,7 @@ class NewtonianChains final : public Dynamics {
   Cells cells_;
   double count_;
   double duration_;
+  double events_per_chain_;
   std::uint64_t seed_;
   std::uint64_t chains_ = 0;
   Window window_;
@@ -559,6 +571,7 @@ class Exact final : public Dynamics {
     engine_->advance(state_, counters_,
                      {.pair_collisions = counters_.pair_collisions + static_cast<std::uint64_t>(events)});
     events_ = counters_.pair_collisions;
+    duration_of_last_ = state_.clock.time - time;
     auto const n = static_cast<double>(state_.agents.size());
     // The total momentum is 0, so that the kinetic energy is (N − 1) kT.
     double const kt = kinetic_energy(state_.agents) / (n - 1.0);
@@ -579,8 +592,15 @@ class Exact final : public Dynamics {
   Counters counters_;
 };
 
-/// Ψ6, the mean over all disks of the mean of e^(6iθ) over the disks within 1.5 σ.
-std::complex<double> orientation(std::vector<Vector> const& disks, double side) {
+/// Fourier modes of the orientation: wave vectors 2π/L (column, row) with both from −3 to 3, the sums over all disks of
+/// ψ6 e^(−ikr) over N.
+constexpr int most = 3;
+constexpr int modes_a_side = 2 * most + 1;
+using Modes = std::vector<std::complex<double>>;
+
+/// Modes of ψ6, the mean of e^(6iθ) over the disks within 1.5 σ, relative to the centre of mass: straight chains push all
+/// disks along.
+Modes orientation(std::vector<Vector> const& disks, double side, Vector displacement) {
   constexpr double reach = 1.5;
   int const n = std::max(3, static_cast<int>(side / reach));
   std::vector<std::vector<std::uint32_t>> cells(static_cast<std::size_t>(n * n));
@@ -620,11 +640,23 @@ std::complex<double> orientation(std::vector<Vector> const& disks, double side) 
       }
     }
   }
-  std::complex<double> sum;
+  Modes modes(static_cast<std::size_t>(modes_a_side * modes_a_side));
+  auto const count = static_cast<double>(disks.size());
+  Vector const drift{displacement.x / count, displacement.y / count};
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (neighbours[i] > 0) sum += sums[i] / static_cast<double>(neighbours[i]);
+    if (neighbours[i] == 0) continue;
+    std::complex<double> const order = sums[i] / (neighbours[i] * static_cast<double>(disks.size()));
+    Vector const place = disks[i] - drift;
+    auto const step_x = std::polar(1.0, -2.0 * std::numbers::pi * place.x / side);
+    auto const step_y = std::polar(1.0, -2.0 * std::numbers::pi * place.y / side);
+    std::complex<double> row = order * std::pow(step_x * step_y, -most);
+    std::size_t k = 0;
+    for (int y = 0; y < modes_a_side; ++y, row *= step_y) {
+      std::complex<double> mode = row;
+      for (int x = 0; x < modes_a_side; ++x, mode *= step_x) modes[k++] += mode;
+    }
   }
-  return sum / static_cast<double>(disks.size());
+  return modes;
 }
 
 struct CorrelationTime {
@@ -642,7 +674,8 @@ CorrelationTime correlation_time(std::vector<std::complex<double>> const& series
   std::complex<double> const shift = subtract ? mean : std::complex<double>();
   auto const covariance = [&](std::size_t lag) {
     double sum = 0.0;
-    for (std::size_t i = 0; i + lag < n; ++i) sum += std::real(std::conj(series[i] - shift) * (series[i + lag] - shift));
+    for (std::size_t i = 0; i + lag < n; ++i)
+      sum += std::real(std::conj(series[i] - shift) * (series[i + lag] - shift));
     return sum / static_cast<double>(n - lag);
   };
   CorrelationTime result{.mean = std::real(mean), .variance = covariance(0)};
@@ -696,12 +729,12 @@ std::unique_ptr<Dynamics> make(std::string_view name, State const& state, std::u
   std::vector<Vector> const disks = Exact(state).disks();
   double const packing_fraction = std::numbers::pi / 4.0 * static_cast<double>(disks.size()) / (side * side);
   ChainLength const length = chain_length(events_per_chain, packing_fraction);
-  if (name == "straight") return std::make_unique<StraightChains>(side, disks, seed, length.straight);
+  if (name == "straight") return std::make_unique<StraightChains>(side, disks, seed, length.straight, events_per_chain);
   std::vector<Vector> velocities;
   auto const u = state.agents.column<VelocityX>();
   auto const v = state.agents.column<VelocityY>();
   for (std::size_t i = 0; i < disks.size(); ++i) velocities.push_back({u[i], v[i]});
-  return std::make_unique<NewtonianChains>(side, disks, velocities, seed, length.newtonian);
+  return std::make_unique<NewtonianChains>(side, disks, velocities, seed, length.newtonian, events_per_chain);
 }
 
 /// Nanoseconds of processor time an event of the three, in turns.
@@ -727,13 +760,19 @@ void series(std::string_view name, State const& start, double packing_fraction, 
   std::uint64_t const events_before = dynamics->events();
   std::vector<std::complex<double>> pressures;
   std::vector<std::complex<double>> orders;
+  std::vector<Modes> modes;
   std::vector<std::complex<double>> moduli;
   double seconds = 0.0;
+  double weighted = 0.0;
+  double weight = 0.0;
   for (std::uint64_t k = 0; k < samples; ++k) {
     double const before = processor_seconds();
     pressures.emplace_back(dynamics->advance(events));
+    weighted += pressures.back().real() * dynamics->duration();
+    weight += dynamics->duration();
     seconds += processor_seconds() - before;
-    orders.push_back(orientation(dynamics->disks(), side));
+    modes.push_back(orientation(dynamics->disks(), side, dynamics->displacement()));
+    orders.push_back(modes.back()[modes.back().size() / 2]);
     moduli.emplace_back(std::abs(orders.back()));
   }
   double const all = static_cast<double>(dynamics->events() - events_before);
@@ -745,7 +784,7 @@ void series(std::string_view name, State const& start, double packing_fraction, 
   auto const error = [&](CorrelationTime const& c) { return std::sqrt(2.0 * c.time * c.variance / count); };
   std::printf("%s,%.4g,%.0f,%llu,%.4g,%.4g,%.1f,%.6f,%.6f,%.4g,%.4g,%.6f,%.6f,%.5g,%.3g,%.5g,%.3g\n",
               std::string(name).c_str(), packing_fraction, n, static_cast<unsigned long long>(samples), a_sample,
-              events_per_chain, 1e9 * seconds / all, z.mean, error(z), 2.0 * z.time * z.variance * a_sample,
+              events_per_chain, 1e9 * seconds / all, weighted / weight, error(z), 2.0 * z.time * z.variance * a_sample,
               2.0 * z.error * z.variance * a_sample, modulus.mean, error(modulus), order.time * a_sample,
               order.error * a_sample, modulus.time * a_sample, modulus.error * a_sample);
   if (print_correlations) {
@@ -754,15 +793,25 @@ void series(std::string_view name, State const& start, double packing_fraction, 
       auto const t = static_cast<std::size_t>(lag);
       if (t == last) continue;
       last = t;
-      double difference = 0.0;
-      double product = 0.0;
-      for (std::size_t k = 0; k + t < orders.size(); ++k) {
-        difference += std::norm(orders[k + t] - orders[k]);
-        product += std::real(std::conj(orders[k]) * orders[k + t]);
+      // ⟨|Ψ(t) − Ψ(0)|²⟩ N of the mean, of the modes next to it and of those farther out, and their ⟨|Ψ|²⟩ N.
+      constexpr int shells = 4;
+      double differences[shells]{};
+      double squares[shells]{};
+      double counts[shells]{};
+      for (std::size_t k = 0; k + t < modes.size(); ++k) {
+        for (int m = 0; m < modes_a_side * modes_a_side; ++m) {
+          int const squared_number = (m / modes_a_side - most) * (m / modes_a_side - most) +
+                                     (m % modes_a_side - most) * (m % modes_a_side - most);
+          int const shell = squared_number == 0 ? 0 : squared_number <= 2 ? 1 : squared_number <= 8 ? 2 : 3;
+          differences[shell] += std::norm(modes[k + t][m] - modes[k][m]);
+          squares[shell] += 0.5 * (std::norm(modes[k + t][m]) + std::norm(modes[k][m]));
+          counts[shell] += 1.0;
+        }
       }
-      double const pairs = count - static_cast<double>(t);
-      std::printf("correlation,%s,%.5g,%.5g,%.5g,%.5g\n", std::string(name).c_str(), static_cast<double>(t) * a_sample,
-                  n * difference / pairs, n * product / pairs, n * order.variance);
+      std::printf("correlation,%s,%.5g", std::string(name).c_str(), static_cast<double>(t) * a_sample);
+      for (int k = 0; k < shells; ++k)
+        std::printf(",%.5g,%.5g", n * differences[k] / counts[k], n * squares[k] / counts[k]);
+      std::printf("\n");
     }
   }
   std::fflush(stdout);
@@ -794,7 +843,8 @@ int main(int argument_count, char** arguments) {
   bool const correlations = number(10, 0.0) > 0.0;
   std::printf(
       "dynamics,packing_fraction,n,samples,events_per_disk_and_sample,events_per_chain,nanoseconds_per_event,z,z_error,"
-      "z_variance_times_events_per_disk,its_error,psi6,psi6_error,psi6_time,psi6_time_error,modulus_time,modulus_time_error\n");
+      "z_variance_times_events_per_disk,its_error,psi6,psi6_error,psi6_time,psi6_time_error,modulus_time,modulus_time_"
+      "error\n");
   auto const start = melted(n, packing_fraction, seed, equilibration);
   for (auto const* name : {"exact", "straight", "newtonian"}) {
     if (mode != "compare" && mode != name) continue;

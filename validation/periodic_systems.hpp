@@ -14,13 +14,13 @@ namespace gridlock::validation {
 ///
 /// With √3/2 times as many columns as rows they stand in a crystal, with as many of both in rows too far apart to last,
 /// which melt at once.
-inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double packing_fraction) {
+inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double packing_fraction, std::uint64_t seed = 1) {
   std::uint64_t const n = columns * rows;
   double const side = std::sqrt(static_cast<double>(n) * std::numbers::pi / 4.0 / packing_fraction);
-  State state{.box = Box(side, side, Edge::periodic), .seed = 1};
+  State state{.box = Box(side, side, Edge::periodic), .seed = seed};
   Vector sum;
   for (std::uint64_t i = 0; i < n; ++i) {
-    RandomStream random(1, 0, i, Purpose::start_velocity);
+    RandomStream random(seed, 0, i, Purpose::start_velocity);
     std::uint64_t const row = i / columns;
     // About half a site from row to row, and whole sites once around the box.
     double const shift = static_cast<double>(row * (rows / 2) % rows) / static_cast<double>(rows);
