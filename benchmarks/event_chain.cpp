@@ -740,7 +740,7 @@ std::unique_ptr<Dynamics> make(std::string_view name, State const& state, std::u
 /// Nanoseconds of processor time an event of the three, in turns.
 void speed(double packing_fraction, std::uint64_t n, int rounds, double events_per_chain) {
   State const start = melted(n, packing_fraction, 1, n < 50'000 ? 100.0 : 20.0);
-  auto const block = static_cast<double>(std::clamp<std::uint64_t>(2 * n, 200'000, 2'000'000));
+  auto const block = static_cast<double>(std::clamp<std::uint64_t>(10 * n, 500'000, 5'000'000));
   std::vector<Contestant> contestants;
   for (auto const* name : {"exact", "straight", "newtonian"}) {
     std::shared_ptr<Dynamics> const dynamics = make(name, start, 1, events_per_chain);
