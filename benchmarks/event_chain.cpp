@@ -105,7 +105,7 @@ Modes orientation(std::vector<Vector> const& disks, double side, Vector displace
       for (std::size_t a = 0; a < here.size(); ++a) {
         for (std::size_t b = a + 1; b < here.size(); ++b) pair(here[a], here[b]);
       }
-      for (auto const [r, c] : {std::pair(0, 1), std::pair(1, -1), std::pair(1, 0), std::pair(1, 1)}) {
+      for (auto const& [r, c] : {std::pair(0, 1), std::pair(1, -1), std::pair(1, 0), std::pair(1, 1)}) {
         auto const& there = cells[static_cast<std::size_t>((row + r) % n * n + (column + c + n) % n)];
         for (auto const i : here) {
           for (auto const j : there) pair(i, j);
