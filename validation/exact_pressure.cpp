@@ -81,7 +81,10 @@ double fluid_of(double n, double packing_fraction) {
 Estimate pressure_of(Published const& p, std::uint64_t collisions, std::uint64_t seed) {
   constexpr std::uint64_t blocks = 64;
   State state = rows_of_disks(p.columns, p.rows, p.packing_fraction, seed);
-  auto const engine = make_engine({.kind = "exact", .audit_every = 1'000'000}, state);
+  EngineSettings settings;
+  settings.kind = "exact";
+  settings.audit_every = 1'000'000;
+  auto const engine = make_engine(settings, state);
   Counters counters;
   std::uint64_t const start = std::max(collisions / 10, 2000 * p.columns * p.rows);
   engine->advance(state, counters, {.pair_collisions = start});
