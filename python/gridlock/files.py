@@ -335,8 +335,10 @@ class RunDirectory:
             raise Error(f"{self.path} holds a run that is not finished\n  hint: gridlock resume {self.path}")
         try:
             found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise Error(f"{file} is damaged: {error}") from None
+        except ValueError:
+            found = {}
+        if not isinstance(found, dict) or not isinstance(found.get("state_hash"), str):
+            raise Error(f"{file} is damaged: it is not the summary of a run\n  hint: remove it, and gridlock resume writes it again")
         return found
 
     @property
@@ -349,7 +351,7 @@ class RunDirectory:
         return Results({
             name: Result(entry["value"], entry.get("error"), entry.get("unit", ""))
             for name, entry in self.summary.items()
-            if isinstance(entry, dict) and name != "value_names" and "value" in entry
+            if isinstance(entry, dict) and name != "value_names" and isinstance(entry.get("value"), (int, float))
         })
 
     @property

@@ -125,7 +125,7 @@ def van_hove(
     :param range: the largest distance; with a box at most half the shorter side.
     :param box: periodic, that of all frames, for the distinct part; where it is left out there is none.
     :param origins: so many for each lag at most, evenly spread; all where left out.
-    :raises Error: as :func:`dynamics` and :func:`pair_correlation`; for lags below 0.
+    :raises Error: as :func:`dynamics` and :func:`pair_correlation`; for lags below 0 and beyond the last frame.
 
     Cost: the self part 9 ns an origin and agent, the distinct part twice that of :func:`pair_correlation` an origin. Source: L. van
     Hove (1954), doi:10.1103/PhysRev.95.249.
@@ -195,7 +195,8 @@ def string_lengths(
     :param mobile: the share of agents that are mobile: those that have moved farthest.
     :param box: that of all frames; left out: the open plane.
     :param origins: so many for each lag at most, evenly spread; all where left out.
-    :raises Error: as :func:`dynamics`; for a share outside 0 … 1, distances that the box cannot have, and lags below 0.
+    :raises Error: as :func:`dynamics`; for a share outside 0 … 1, distances that the box cannot have, and lags below 0 or
+        beyond the last frame.
 
     Cost: 30 ns an origin and agent. Source: C. Donati et al. (1998), doi:10.1103/PhysRevLett.80.2338.
 

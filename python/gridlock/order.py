@@ -129,6 +129,23 @@ class StructurePeak(NamedTuple):
         return named_in_short(self)
 
 
+#: |G| √(area of a point) / 2π of the first peaks of a triangular lattice; of a square one it is 1.
+_TRIANGULAR = float(np.sqrt(2 / np.sqrt(3)))
+
+
+def _usual_peak(points: NDArray[np.float64], box: BoxLike, area: float, threads: int) -> NDArray[np.float64]:
+    """A first peak of S(q) of a triangular or a square lattice with the density and the orientation of the points."""
+    cells = voronoi(points, box, threads=threads)
+    six, four = (bond_orientation(points, box=box, neighbors=cells.neighbors, weights=cells.edge_lengths, k=k, threads=threads).mean()
+                 for k in (6, 4))
+    root = np.sqrt(len(points) / area)
+    if abs(four) > abs(six):
+        theta, length = np.angle(four) / 4, 2 * np.pi * root
+    else:
+        theta, length = np.angle(six) / 6 + np.pi / 6, 2 * np.pi * _TRIANGULAR * root
+    return length * np.array([np.cos(theta), np.sin(theta)])
+
+
 def structure_peak(
     points: ArrayLike, box: BoxLike, *, near: ArrayLike | None = None, half_width: float | None = None, threads: int = 1
 ) -> StructurePeak:
@@ -137,7 +154,8 @@ def structure_peak(
     Its height S(G)/N tends to a constant, or a power of N, in a crystal, and to 1/N without positional order.
 
     :param near: the middle of the square; by default where a triangular lattice of this density and orientation has a peak,
-        (4π/√3 a)(cos θ, sin θ), with bonds of length a at θ + 30°.
+        (4π/√3 a)(cos θ, sin θ), with bonds of length a at θ + 30°; or a square lattice, (2π/a)(cos θ, sin θ) with bonds at θ, where
+        the mean of ψ₄ over the Voronoi neighbours, weighted by their edges, is larger than that of ψ₆. Give it for other lattices.
     :param half_width: by default a fifth of 4π/(√3 a).
     :raises Error: for boxes that are not periodic, points that are not finite, and a square with no wave vector or more than 10⁸.
 
@@ -150,17 +168,14 @@ def structure_peak(
     """
     sides = periodic_box(box, "the structure factor")
     array = as_points(points)
-    spacing = np.sqrt(2 * sides[0] * sides[1] / (np.sqrt(3) * max(len(array), 1)))
-    length = 4 * np.pi / (np.sqrt(3) * spacing)
+    area = sides[0] * sides[1]
     if near is None:
-        psi = bond_orientation(array, box=box, neighbors=voronoi(array, box, threads=threads).neighbors)
-        theta = np.angle(psi.mean()) / 6 + np.pi / 6
-        centre = length * np.array([np.cos(theta), np.sin(theta)])
+        centre = _usual_peak(array, box, area, threads)
     else:
         centre = as_array(near, "the middle of the square is", "give (q_x, q_y)").astype(np.float64)
         if centre.shape != (2,):
             raise Error(f"the middle of the square has the shape {centre.shape}\n  hint: give (q_x, q_y)")
-    half = length / 5 if half_width is None else as_number(half_width, "half_width")
+    half = 0.2 * 2 * np.pi * _TRIANGULAR * np.sqrt(len(array) / area) if half_width is None else as_number(half_width, "half_width")
     at, height, vectors, s = _core.structure_peak(array, sides, (float(centre[0]), float(centre[1])), float(half), as_threads(threads))
     return StructurePeak(np.array(at), height, vectors, s)
 

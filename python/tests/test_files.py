@@ -181,6 +181,14 @@ def test_what_is_missing_or_damaged_is_refused(tmp_path, made):
         made.table("nowhere")
 
 
+@pytest.mark.parametrize("text", ["nothing", "[1, 2]", '{"state_hash": 12}'])
+def test_an_edited_summary_is_refused_by_name(tmp_path, text):
+    gridlock.run({"disks": {"count": 4}, "run": {"steps": 10}}, tmp_path / "out")
+    (tmp_path / "out" / "summary.json").write_text(text)
+    with pytest.raises(gridlock.Error, match=r"summary.json is damaged: it is not the summary of a run\n  hint"):
+        gridlock.open(tmp_path / "out").state_hash
+
+
 def test_interrupted_runs_are_continued(tmp_path):
     shorter = tmp_path / "out"
     gridlock.run({**RUN, "trajectory": None}, shorter)

@@ -110,8 +110,10 @@ def test_strings_are_those_of_a_drawing():
     lambda: gridlock.van_hove(walk(3, 5), lags=1.0, range=12.0, box=20.0),
     lambda: gridlock.van_hove(walk(3, 5), lags=1.0, range=12.0, bins=0),
     lambda: gridlock.van_hove(walk(3, 5), lags="a", range=12.0),
+    lambda: gridlock.van_hove(walk(3, 5), lags=[1.0, 2.1], range=2.0),
     lambda: gridlock.string_lengths(walk(3, 5), lags=1.0, distance=0.0),
     lambda: gridlock.string_lengths(walk(3, 5), lags=1.0, distance=0.5, mobile=1.5),
+    lambda: gridlock.string_lengths(walk(3, 5), lags=3.0, distance=0.5),
 ])
 def test_bad_input_is_refused(call):
     with pytest.raises(gridlock.Error, match="hint"):

@@ -52,6 +52,18 @@ def test_the_default_peak_is_that_of_the_crystal_however_it_is_turned():
         assert peak.s.shape == (len(peak.wave_vectors),)
 
 
+@pytest.mark.parametrize("turn", [0, 1, 3])
+def test_the_default_peak_of_a_square_lattice_is_a_bragg_peak(turn):
+    # Sites of a square lattice with the bond (m, n) along x fit into a periodic square of m² + n² rows, with bonds turned by atan(n/m).
+    m, n = 4, turn
+    side = m * m + n * n
+    sites = np.array([[i * m - j * n, i * n + j * m] for i in range(side) for j in range(side)]) % side
+    points = np.unique(sites, axis=0) / np.sqrt(side)
+    points = points + np.random.default_rng(1).normal(scale=0.03, size=points.shape)
+    peak = gridlock.structure_peak(points, side / np.sqrt(side))
+    assert np.isclose(np.hypot(*peak.at), 2 * np.pi) and peak.height > 0.9
+
+
 def test_a_map_along_the_rows_has_its_maxima_at_the_sites():
     points, box = lattice(0.05)
     psi = gridlock.bond_orientation(points, 1.5, box)

@@ -113,6 +113,15 @@ def test_no_level_of_a_stage_hides_that_of_another(tmp_path, drawn):
     assert first.get_markerfacecolor() == "none" and first.get_markersize() > second.get_markersize()
 
 
+def test_the_density_at_a_pressure_is_drawn_over_the_sweeps_and_kept_by_later_stages(tmp_path, drawn):
+    stages = [{"stage": "monte_carlo", "sweeps": 200, "pressure": 2.6}, {"stage": "monte_carlo", "sweeps": 20}]
+    gridlock.run({"box": {"edge": "periodic"}, "disks": {"count": 16, "packing_fraction": 0.5}, "protocol": stages}, tmp_path / "out")
+    run = gridlock.open(tmp_path / "out")
+    (drawn_line,) = drawn(tmp_path / "out")["swap_density"].lines
+    assert np.array_equal(drawn_line.get_xydata(), np.column_stack([run.table("swap_density")[name] for name in ("sweeps_done", "packing_fraction")]))
+    assert 0.3 < run.results["packing_fraction_at_pressure"].value < 0.7 and run.results["area_acceptance"].value > 0
+
+
 def test_radii_are_told_by_their_ratio(tmp_path, drawn):
     gridlock.run(SOFT, tmp_path / "out")
     legend = drawn(tmp_path / "out")["start"].get_legend()

@@ -286,6 +286,7 @@ def test_sweeps_have_a_line_for_each_combination(tmp_path):
     lambda s: gridlock.plot.snapshot("nothing"),
     lambda s: gridlock.plot.series(s, "nothing"),
     lambda s: gridlock.plot.curve(s, "nothing"),
+    lambda s: gridlock.plot.dynamics(gridlock.dynamics(np.zeros((3, 2, 2))), 3),
 ])
 def test_mistakes_are_refused(simulation, draw):
     with pytest.raises(gridlock.Error):

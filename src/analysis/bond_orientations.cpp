@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "observe/bond_orientation.hpp"
+#include "core/bond_direction.hpp"
 
 namespace gridlock {
 
@@ -12,7 +12,10 @@ namespace {
 
 /// Returns exp(i k θ) for the angle θ of a vector that is not zero, without trigonometry.
 std::complex<double> power_of_direction(Vector r, unsigned k) {
-  if (k == 6) return sixth_power_of_direction(r);
+  if (k == 6) {
+    Vector const power = sixth_power_of_direction(r);
+    return {power.x, power.y};
+  }
   double const length = std::sqrt(squared_length(r));
   std::complex<double> const unit(r.x / length, r.y / length);
   std::complex<double> power = unit;

@@ -127,6 +127,11 @@ FramesOfLag frames_nearest(std::span<FramesOfLag const> lags, std::span<double c
   if (!(lag >= 0.0) || !std::isfinite(lag)) {
     throw Error({.what = fmt::format("a lag is {}", lag), .hint = "use times, 0 or above"});
   }
+  double const longest = times.empty() ? 0.0 : times.back() - times.front();
+  if (lag > longest * (1.0 + 1e-9)) {
+    throw Error({.what = fmt::format("a lag is {}, and the trajectory lasts {}", lag, longest),
+                 .hint = "use lags up to the time between the first and the last frame"});
+  }
   auto const away = [&](FramesOfLag const& frames) { return std::abs(frames.lag() - lag); };
   FramesOfLag found = lag == 0.0 ? FramesOfLag(0.0, 0, times.size()) : *std::ranges::min_element(lags, {}, away);
   if (max_origins == 0 || max_origins >= found.size()) return found;

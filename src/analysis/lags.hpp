@@ -46,6 +46,7 @@ std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double 
 
 /// Returns the pairs of frames whose lag is nearest to `lag`; for 0 each frame with itself. Of more than `max_origins`
 /// pairs so many are returned, evenly spread; `max_origins` = 0 returns all. `lags` comes from lags_between().
+/// Errors: Error for a lag below 0, and for one beyond the last frame.
 FramesOfLag frames_nearest(std::span<FramesOfLag const> lags, std::span<double const> times, double lag,
                            std::size_t max_origins);
 

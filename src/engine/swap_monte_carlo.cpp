@@ -53,12 +53,6 @@ void require_bounds(SwapSettings const& settings) {
           fmt::format("use a number below {}", max_stages), "swap.stage");
 }
 
-double mean_diameter(State const& state) {
-  double sum = 0.0;
-  for (double const radius : state.agents.column<Radius>()) sum += 2.0 * radius;
-  return sum / static_cast<double>(state.agents.size());
-}
-
 std::optional<double> share(std::uint64_t part, std::uint64_t all) {
   if (all == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(all);

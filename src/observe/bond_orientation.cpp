@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/bond_direction.hpp"
 #include "gridlock/observe/pairs.hpp"
 #include "gridlock/parallel/communicator.hpp"
 
@@ -29,9 +30,9 @@ class BondSums {
       : units_(std::ldexp(1.0, 62 - static_cast<int>(std::bit_width(all)))), sums_(agents), counts_(agents) {}
 
   /// Adds a bond to both agents: the opposite direction gives the same number, since six is even.
-  void add(std::size_t i, std::size_t j, std::complex<double> bond) {
-    std::int64_t const real = in_units(bond.real());
-    std::int64_t const imaginary = in_units(bond.imag());
+  void add(std::size_t i, std::size_t j, Vector bond) {
+    std::int64_t const real = in_units(bond.x);
+    std::int64_t const imaginary = in_units(bond.y);
     for (std::size_t const agent : {i, j}) {
       sums_[agent].real += real;
       sums_[agent].imaginary += imaginary;

@@ -51,16 +51,6 @@ inline std::vector<double> local_bond_orientation_orders(State const& state) {
   return local_bond_orientation_orders(state.box, state.agents);
 }
 
-/// Returns exp(6 i θ) for the angle θ of a vector that is not zero, without trigonometry.
-inline std::complex<double> sixth_power_of_direction(Vector r) {
-  double const squared = squared_length(r);
-  // (x + iy)² / |r|², a unit vector at twice the angle.
-  double const c = (r.x - r.y) * (r.x + r.y) / squared;
-  double const s = 2.0 * r.x * r.y / squared;
-  // The third power of c + is.
-  return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
-}
-
 /// Samples of bond_orientation_order() along a run: the columns global_bond_orientation_order and
 /// local_bond_orientation_order, averaged over the samples that StructureSchedule selects; other cells are empty.
 class BondOrientation final : public AveragingObservable {

@@ -106,9 +106,7 @@ std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) 
   std::vector<NamedEstimate> results;
   if (stages.empty()) return results;
   if (!is_soft(stages.back())) add_results(hard_entries(), stages.back(), results);
-  auto const swap =
-      std::find_if(stages.rbegin(), stages.rend(), [](auto const& stage) { return stage.swap.has_value(); });
-  if (swap != stages.rend()) std::ranges::move(swap_results(*swap->swap), std::back_inserter(results));
+  std::ranges::move(swap_results(stages), std::back_inserter(results));
   auto const soft = std::find_if(stages.rbegin(), stages.rend(), is_soft);
   if (soft != stages.rend()) add_results(soft_entries(), *soft, results);
   auto const shear =

@@ -19,6 +19,7 @@ namespace {
 struct SwapEntry {
   ColumnInfo info;
   std::function<std::optional<Estimate>(SwapResult const&)> estimate_of;
+  bool is_of_pressure = false;  ///< whether the entry is of the last stage at constant pressure
 };
 
 /// Returns the mean packing fraction at constant pressure.
@@ -40,9 +41,11 @@ std::vector<SwapEntry> entries_of_swap() {
        number(&SwapResult::displacement_acceptance)},
       {{"swap_acceptance", "", "Share of the trial swaps that were accepted."}, number(&SwapResult::swap_acceptance)},
       {{"area_acceptance", "", "Share of the trial changes of the area that were accepted."},
-       number(&SwapResult::area_acceptance)},
+       number(&SwapResult::area_acceptance),
+       true},
       {{"packing_fraction_at_pressure", "", "Mean φ at constant pressure, with the error of blocks."},
-       density_at_pressure},
+       density_at_pressure,
+       true},
       {{"overlap_relaxation_time", "sweeps", "Where the share of disks in their old cages has fallen to 1/e."},
        number(&SwapResult::overlap_relaxation_time)},
       {{"bond_relaxation_time", "sweeps", "Where the correlation of the local hexatic order has fallen to 1/e."},
@@ -182,10 +185,19 @@ std::vector<ColumnInfo> swap_entries() {
   return infos;
 }
 
-std::vector<NamedEstimate> swap_results(SwapResult const& swap) {
+std::vector<NamedEstimate> swap_results(std::vector<StageResult> const& stages) {
+  SwapResult const* last = nullptr;
+  SwapResult const* at_pressure = nullptr;
+  for (StageResult const& stage : stages) {
+    if (!stage.swap) continue;
+    last = &*stage.swap;
+    if (!last->packing_fractions.empty()) at_pressure = last;
+  }
   std::vector<NamedEstimate> results;
   for (SwapEntry const& entry : entries_of_swap()) {
-    std::optional<Estimate> const estimate = entry.estimate_of(swap);
+    SwapResult const* const swap = entry.is_of_pressure ? at_pressure : last;
+    if (swap == nullptr) continue;
+    std::optional<Estimate> const estimate = entry.estimate_of(*swap);
     if (estimate && std::isfinite(estimate->value)) results.push_back({entry.info.name, *estimate, ""});
   }
   return results;

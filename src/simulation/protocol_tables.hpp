@@ -17,8 +17,8 @@ Distribution density_table(std::vector<StageResult> const& stages);
 /// there are none.
 std::vector<Distribution> shear_tables(std::vector<StageResult> const& stages);
 
-/// Returns the entries of summary.json for a stage of Monte Carlo.
-std::vector<NamedEstimate> swap_results(SwapResult const& swap);
+/// Returns the entries of summary.json for the last stage of Monte Carlo, and for the last one at constant pressure.
+std::vector<NamedEstimate> swap_results(std::vector<StageResult> const& stages);
 /// Returns their names and meaning.
 std::vector<ColumnInfo> swap_entries();
 

@@ -140,6 +140,22 @@ TEST(Verify, RefusesChangedSettingsAnotherSeedAndAnEditedStartByName) {
   EXPECT_NE(refused.err.find("start.xyz"), std::string::npos) << refused.err;
 }
 
+TEST(Verify, NamesWhatAnEditedSummaryLacks) {
+  Workplace const workplace;
+  make_run(workplace, "disks.count = 4\nrun.steps = 100\n");
+  std::string const summary = text_of(workplace / "out/summary.json");
+  for (std::vector<std::string> const& change : std::vector<std::vector<std::string>>{
+           {"\"timing\"", "\"time\"", "it has no timing"},
+           {"\"seconds\"", "\"minutes\"", "it has no timing.seconds"},
+           {"\"gridlock\": \"", "\"gridlock\": 1, \"a\": \"", "gridlock = 1 is not"},
+           {"\"state_hash\": \"", "\"state_hash\": \"x", "is not what a run writes"}}) {
+    write(workplace / "out/summary.json", summary);
+    replace(workplace / "out/summary.json", change[0], change[1]);
+    expect_words(in(workplace, {"verify", "out"}), 2, "summary.json is damaged: ");
+    expect_words(in(workplace, {"verify", "out"}), 2, change[2]);
+  }
+}
+
 TEST(Verify, TakesARunThatWasKilledUpToItsLastHashAndContinuedToItsEnd) {
   Workplace const workplace;
   write(workplace / "a.toml", std::string(with_states) + "checkpoint.every_steps = 200\n");

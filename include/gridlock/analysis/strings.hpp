@@ -52,7 +52,7 @@ struct Strings {
 /// |r(t₀ + t) − r(t₀)|, at least one agent. A single mobile agent is a string of length 1. δ = 0.6 mean diameters in
 /// the source. The errors are those of find_dynamics(): from origins whose intervals do not overlap.
 /// Errors: those of find_dynamics(); Error for a share outside 0 … 1, a distance that is not positive or above half the
-/// shorter side of a periodic box, and lags below 0. Cost: 30 ns an origin and agent.
+/// shorter side of a periodic box, and lags below 0 or beyond the last frame. Cost: 30 ns an origin and agent.
 /// Source: C. Donati et al. (1998), doi:10.1103/PhysRevLett.80.2338.
 Strings find_strings(TrajectoryInMemory const& trajectory, StringSettings const& settings);
 

@@ -113,6 +113,8 @@ struct RunSummary {
   std::uint64_t state_hash = 0;
   double seconds = 0.0;
   std::vector<NamedEstimate> results;
+  std::string version;      ///< of the program
+  std::string target = {};  ///< instructions of the processor
 };
 
 /// Reads summary.json of a directory; returns nothing if the file is missing.

@@ -160,7 +160,7 @@ def dynamics(found: Any, name: str = "msd", *, labels: Sequence[str] = (), axes:
 
     :param labels: the names of the kinds.
     """
-    value = getattr(found, name, None)
+    value = getattr(found, name, None) if isinstance(name, str) else None
     if value is None or not hasattr(found, name + "_error"):
         raise Error(f"there is no curve {name}\n  hint: msd is always there, others where their lengths were given")
     error = getattr(found, name + "_error")

@@ -21,7 +21,7 @@ from ..packings import Contacts, contacts
 from ..simulation import Simulation
 from ..sweeps import SweepDirectory
 from .agents import colours_of, frame_of, snapshot, usual_colour
-from .charts import combinations, curve, distribution_of_runs, mark_contacts, reference, series, sweep, swept_number
+from .charts import combinations, curve, distribution_of_runs, line, mark_contacts, reference, series, sweep, swept_number
 from .packings import chart_forces, chart_levels, chart_shear, chart_spectrum, draw_event, packing
 from .style import COLUMN, axis_label, style
 
@@ -196,6 +196,22 @@ def _draw_levels(artist: _Artist, run: RunDirectory) -> None:
         artist.chart("levels", lambda axes: chart_levels(axes, levels, names))
 
 
+def _draw_density(artist: _Artist, run: RunDirectory) -> None:
+    """The packing fraction over the sweeps of each stage at constant pressure."""
+    table = run.table("swap_density")
+    stages = np.unique(table["stage"])
+
+    def draw(axes: Any) -> None:
+        for stage in stages:
+            of_stage = table[table["stage"] == stage]
+            line(axes, of_stage["sweeps_done"], of_stage["packing_fraction"], label=f"stage {stage:.0f}" if len(stages) > 1 else "")
+        axes.set(xlabel="sweeps", ylabel="packing fraction φ")
+        if len(stages) > 1:
+            axes.legend()
+
+    artist.chart("swap_density", draw)
+
+
 def _box_at_event(run: RunDirectory, last: Frame, event: Any) -> Box:
     """The box at the last strain before an event: that of the last frame, without the strain of later steps.
 
@@ -267,6 +283,8 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
         _draw_mean_displacement(artist, run, 0.1 if is_as_in_paper else None)
     if _has(run.path, "levels.csv"):
         _draw_levels(artist, run)
+    if _has(run.path, "swap_density.csv"):
+        _draw_density(artist, run)
     if _has(run.path, "shear.csv"):
         _draw_shear(artist, run, last)
     _draw_curves(artist, run, last)
@@ -399,7 +417,7 @@ def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool =
 
     A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation, orientation_correlation, and the curves that its
     settings ask for: density profiles, mean_squared_displacement, local_density, cluster_sizes. After a protocol displacements count
-    from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces, levels and shear. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
+    from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces, levels and shear; after stages at constant pressure swap_density. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
     results against the swept number with the most values, one line for each combination of the others; over seeds alone, a histogram of
     each result. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
 

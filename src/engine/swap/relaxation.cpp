@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "core/bond_direction.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -13,25 +15,11 @@ constexpr std::uint64_t origins_in_a_run = 16;
 constexpr std::size_t max_watched = 4096;
 constexpr double cage = 0.3;  // radius of a cage in mean diameters
 
-double mean_diameter(State const& state) {
-  double sum = 0.0;
-  for (double const radius : state.agents.column<Radius>()) sum += 2.0 * radius;
-  return sum / static_cast<double>(state.agents.size());
-}
-
 /// Returns 1.5 spacings of a triangular lattice of this density, but no more than keeps second images away.
 double distance_of_neighbours(State const& state) {
   double const density = static_cast<double>(state.agents.size()) / state.box.area();
   double const distance = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
   return std::min(distance, 0.5 * state.box.shortest_period());
-}
-
-/// Returns exp(6 i θ) for the angle θ of a vector that is not zero.
-Vector sixth_power_of_direction(Vector r) {
-  double const squared = squared_length(r);
-  double const c = (r.x - r.y) * (r.x + r.y) / squared;
-  double const s = 2.0 * r.x * r.y / squared;
-  return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
 }
 
 /// Finds the disks within `distance` of disk i, sorted, so that the grid does not show in the order of sums.
@@ -66,6 +54,12 @@ Vector relative_position(SwapTrials const& trials, std::size_t i, Neighbours con
 }
 
 }  // namespace
+
+double mean_diameter(State const& state) {
+  double sum = 0.0;
+  for (double const radius : state.agents.column<Radius>()) sum += 2.0 * radius;
+  return sum / static_cast<double>(state.agents.size());
+}
 
 Relaxation::Relaxation(State const& state, std::uint64_t sweeps)
     : disks_(state.agents.size()),
