@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <cmath>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -11,7 +11,10 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/world.hpp"
 #include "io/checkpoint.hpp"
-#include "simulation/frame_schedule.hpp"
+#include "io/xyz_writer.hpp"
+#include "workspace/result_differences.hpp"
+#include "workspace/run_results.hpp"
+#include "workspace/summary.hpp"
 
 namespace gridlock {
 
@@ -62,9 +65,11 @@ Replay::Replay(std::filesystem::path const& directory, Setup const& setup, std::
     : directory_(directory),
       setup_(setup),
       simulation_(*setup.simulation),
-      end_(stop_condition_of(setup)),
+      run_(simulation_, plan_of(setup)),
+      schedule_(setup.configuration.trajectory, simulation_.time_step()),
       links_(links),
       found_(found) {
+  run_.add(sample_);
   std::error_code ignored;
   std::filesystem::path const trajectory = directory / "trajectory.h5";
   if (std::filesystem::exists(trajectory, ignored)) trajectory_.emplace(trajectory);
@@ -83,7 +88,8 @@ bool Replay::compare(HashLink const& link, std::uint64_t hash) {
   }
   std::string const place =
       is_of_step(link) || link.of == "end"
-          ? fmt::format("the first step that differs is between step {} and step {}", known_step_, link.step)
+          ? fmt::format("step {} agrees, and the next that is recorded, {}, differs", known_step_,
+                        link.step)
           : fmt::format("the first difference is in {}", link.of);
   return differ(fmt::format("{}: the state hash is {:016x}, and the run recorded {:016x}", place, hash, link.hash));
 }
@@ -95,6 +101,7 @@ std::string Replay::difference_of_frame(std::size_t frame, std::uint64_t hash) c
     simulation_.give_frame(
         [&](FrameSource const& all) { present = with_columns(all, setup_.configuration.trajectory.columns)->whole(); });
     std::string difference = first_difference(recorded.frame, present);
+    if (difference.empty()) difference = difference_of_observables(recorded.observables);
     if (!difference.empty() || recorded.state_hash == hash) return difference;
     return fmt::format("the state hash {:016x}, where the replay has {:016x}", recorded.state_hash, hash);
   } catch (Error const& error) {
@@ -102,36 +109,74 @@ std::string Replay::difference_of_frame(std::size_t frame, std::uint64_t hash) c
   }
 }
 
-bool Replay::compare_frame(std::size_t frame, std::uint64_t hash) {
-  std::string const difference = difference_of_frame(frame, hash);
-  if (difference.empty()) {
-    ++found_.frames;
-    return true;
+/// Compares the observables of a frame with the sample of its step. Those of another program are left out.
+std::string Replay::difference_of_observables(std::vector<double> const& recorded) const {
+  std::vector<ColumnInfo> const columns = simulation_.columns();
+  std::vector<H5mdObservable> const& names = trajectory_->settings().observables;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    auto const place = std::ranges::find(names, columns[k].name, &H5mdObservable::name);
+    if (place == names.end()) return fmt::format("no observable {}, which the replay has", columns[k].name);
+    double const value = sample_.values().empty() ? no_value : sample_.values()[k];
+    double const in_file = recorded[static_cast<std::size_t>(place - names.begin())];
+    bool const has_no_value = std::isnan(in_file) && std::isnan(value);
+    if (has_no_value || word_of(in_file) == word_of(value)) continue;
+    return fmt::format("{} = {}, where the replay has {}", columns[k].name, in_file, value);
   }
-  return differ(fmt::format("frame {} of trajectory.h5, of step {}, has {}", frame, trajectory_->clocks()[frame].step,
-                            difference));
+  return "";
+}
+
+std::set<std::uint64_t> Replay::frames_between(std::uint64_t first, std::uint64_t last) const {
+  std::set<std::uint64_t> steps;
+  if (!trajectory_) return steps;
+  for (Clock const& clock : trajectory_->clocks()) {
+    if (clock.step >= first && clock.step <= last) steps.insert(clock.step);
+  }
+  std::uint64_t const start = links_.front().step;
+  if (is_frame_due(first)) steps.insert(first);
+  for (std::uint64_t due = schedule_.next_after(first - start); due <= last - start; due = schedule_.next_after(due)) {
+    steps.insert(start + due);
+  }
+  return steps;
+}
+
+bool Replay::is_frame_due(std::uint64_t step) const {
+  return setup_.configuration.trajectory.has_frames() && schedule_.is_due(step - links_.front().step);
+}
+
+bool Replay::compare_frame(std::uint64_t step, std::uint64_t hash) {
+  std::span<Clock const> const clocks = trajectory_->clocks();
+  auto const clock = std::ranges::find(clocks, step, &Clock::step);
+  if (clock == clocks.end()) return differ(fmt::format("trajectory.h5 has no frame of step {}", step));
+  if (!is_frame_due(step)) return differ(fmt::format("trajectory.h5 has a frame of step {}, where none is due", step));
+  auto const frame = static_cast<std::size_t>(clock - clocks.begin());
+  std::string const difference = difference_of_frame(frame, hash);
+  if (!difference.empty())
+    return differ(fmt::format("frame {} of trajectory.h5, of step {}, has {}", frame, step, difference));
+  ++found_.frames;
+  known_step_ = step;
+  return true;
+}
+
+/// Carries on with the run to a step, with its samples. Errors: RunFailure where the run fails.
+void Replay::advance_run_to(std::uint64_t step) {
+  if (run_.advance_to(step) == RunStatus::failed) throw RunFailure(run_.record().failure);
 }
 
 /// Advances to a step with stops at all links and frames up to it.
 bool Replay::advance_to(std::uint64_t step, std::function<void(double)> const& on_progress) {
   std::uint64_t const from = simulation_.clock().step;
+  std::set<std::uint64_t> const frames = frames_between(from, step);
   std::set<std::uint64_t> stops{step};
+  stops.insert(frames.begin(), frames.end());
   for (HashLink const& link : links_) {
     if (is_of_step(link) && link.step >= from && link.step <= step) stops.insert(link.step);
   }
-  std::span<Clock const> const frames = trajectory_ ? trajectory_->clocks() : std::span<Clock const>();
-  for (Clock const& clock : frames) {
-    if (clock.step >= from && clock.step <= step) stops.insert(clock.step);
-  }
   for (std::uint64_t const stop : stops) {
-    // A call without a step may still change the velocities that an engine shows in frames.
-    if (simulation_.clock().step < stop) simulation_.advance({.step = stop});
+    advance_run_to(stop);
     std::uint64_t const hash = simulation_.state_hash();
+    if (frames.contains(stop) && !compare_frame(stop, hash)) return false;
     for (HashLink const& link : links_) {
       if (is_of_step(link) && link.step == stop && !compare(link, hash)) return false;
-    }
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      if (frames[k].step == stop && !compare_frame(k, hash)) return false;
     }
     if (on_progress && step > from) on_progress(static_cast<double>(stop - from) / static_cast<double>(step - from));
   }
@@ -160,15 +205,39 @@ bool Replay::prepare() {
 }
 
 bool Replay::advance_to_end(HashLink const& end) {
-  simulation_.advance(end_);
+  advance_run_to(never_reached);
   return compare(end, simulation_.state_hash());
+}
+
+/// Compares the results of the whole run, as far as their files are there.
+bool Replay::compare_results() {
+  RunRecord const record = run_.record();
+  auto const agrees = [&](std::string const& name,
+                          std::function<std::string(std::filesystem::path const&)> const& find) {
+    std::error_code ignored;
+    std::filesystem::path const file = directory_ / name;
+    if (!std::filesystem::exists(file, ignored)) return true;
+    if (std::string difference = find(file); !difference.empty()) return differ(std::move(difference));
+    ++found_.results;
+    return true;
+  };
+  for (auto const& [name, table] : result_tables(record)) {
+    if (!agrees(name, [&](auto const& file) { return difference_of_table(file, table); })) return false;
+  }
+  bool is_same = true;
+  simulation_.give_frame([&](FrameSource const& frame) {
+    std::string const summary = summary_text("", setup_.configuration, links_[1].hash, record, frame, {});
+    is_same = agrees("final.xyz", [&](auto const& file) { return difference_of_text(file, xyz_text(frame)); }) &&
+              agrees(summary_name, [&](auto const& file) { return difference_of_summary(file, summary); });
+  });
+  return is_same;
 }
 
 bool Replay::replay_all(std::function<void(double)> const& on_progress) {
   known_step_ = links_.front().step;
   if (!prepare()) return false;
   if (simulation_.is_prepared() && !advance_to(links_.back().step, on_progress)) return false;
-  return links_.back().of != "end" || advance_to_end(links_.back());
+  return links_.back().of != "end" || (advance_to_end(links_.back()) && compare_results());
 }
 
 bool Replay::restore(HashLink const& state) {
@@ -179,6 +248,7 @@ bool Replay::restore(HashLink const& state) {
     });
     if (!restored) return differ(fmt::format("the kept state {} is missing", directory.string()));
     simulation_.take_restored();
+    run_.continue_from_here();
   } catch (Error const& error) {
     return differ(fmt::format("the kept state of step {}: {}", state.step, error.problems().front().what));
   }

@@ -10,7 +10,6 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/target.hpp"
-#include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "io/file.hpp"
 #include "simulation/expected_work.hpp"
@@ -67,7 +66,17 @@ Json to_json(std::vector<Traffic> const& processes) {
   return json;
 }
 
-std::string summary_json(std::string const& versions, Configuration const& configuration, std::uint64_t start_hash,
+}  // namespace
+
+std::vector<std::pair<std::string, Table>> result_tables(RunRecord const& record) {
+  std::vector<std::pair<std::string, Table>> tables{{"series.csv", record.series}};
+  for (Distribution const& distribution : record.distributions) {
+    tables.emplace_back(distribution.name + ".csv", to_table(distribution));
+  }
+  return tables;
+}
+
+std::string summary_text(std::string const& versions, Configuration const& configuration, std::uint64_t start_hash,
                          RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& traffic) {
   Json json;
   json["gridlock"] = versions;
@@ -105,25 +114,22 @@ std::string summary_json(std::string const& versions, Configuration const& confi
   return json.dump(2) + '\n';
 }
 
-}  // namespace
-
 void write_run_results(std::filesystem::path const& directory, std::string const& versions,
                        Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
                        FrameSource const& frame, std::vector<Traffic> const& traffic) {
   // The summary is removed first and written last, so that only complete results have a summary.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
-  for (char const* name : {"series.csv", summary_name}) record_result(directory / name);
-  write_csv(record.series, directory / "series.csv");
-  for (Distribution const& distribution : record.distributions) {
-    record_result(directory / (distribution.name + ".csv"));
-    write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
+  record_result(directory / summary_name);
+  for (auto const& [name, table] : result_tables(record)) {
+    record_result(directory / name);
+    write_csv(table, directory / name);
   }
   if (configuration.run.final_state) {
     record_result(directory / "final.xyz");
     write_xyz(frame, directory / "final.xyz");
   }
-  write_file(directory / summary_name, summary_json(versions, configuration, start_hash, record, frame, traffic));
+  write_file(directory / summary_name, summary_text(versions, configuration, start_hash, record, frame, traffic));
 }
 
 }  // namespace gridlock

@@ -200,6 +200,7 @@ std::string to_text(Verification const& found) {
   std::string agree = found.hashes == 1 ? "1 hash" : fmt::format("{} hashes", found.hashes);
   if (found.states > 0) agree += ", " + count(found.states, "kept state");
   if (found.frames > 0) agree += ", " + count(found.frames, "frame");
+  if (found.results > 0) agree += ", " + count(found.results, "file") + " of results";
   std::string const steps = found.last_step > found.first_step
                                 ? fmt::format("steps {} to {}", found.first_step, found.last_step)
                                 : std::string("the start and the stages of its protocol");

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -72,7 +74,7 @@ TEST(Verify, AcceptsARunOfOtherThreadsAndInstructions) {
   make_run(workplace, std::string(with_states) + "engine.kind = \"tiled\"\n", {"-j", "3"});
   unsetenv("GRIDLOCK_TARGET");
   Outcome const verified = in(workplace, {"verify", "out", "-j", "1"});
-  expect_words(verified, 0, "12 hashes, 4 kept states, 5 frames agree bit for bit");
+  expect_words(verified, 0, "12 hashes, 4 kept states, 5 frames, 6 files of results agree bit for bit");
   expect_words(verified, 0, "with " + std::string(to_text(gridlock::target())) + " by gridlock ");
   expect_words(verified, 0, "; recorded with scalar by ");
 }
@@ -83,7 +85,8 @@ TEST(Verify, AcceptsAPackingStageByStage) {
            "disks = { count = 20, packing_fraction = 0.4, start = \"random\" }\nbox.edge = \"periodic\"\n"
            "protocol = [{ stage = \"quench\", packing_fraction = 0.9 }, { stage = \"decompress\", until_pressure = "
            "1e-3 }]\n");
-  expect_words(in(workplace, {"verify", "out"}), 0, "the start and the stages of its protocol: 5 hashes agree");
+  expect_words(in(workplace, {"verify", "out"}), 0,
+               "the start and the stages of its protocol: 5 hashes, 6 files of results agree");
   expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 2, "has kept no states, so only the whole run");
   replace(workplace / "out/config.resolved.toml", "packing_fraction = 0.9", "packing_fraction = 0.91");
   expect_words(in(workplace, {"verify", "out"}), 2, "packing_fraction");
@@ -122,6 +125,70 @@ TEST(Verify, FindsAFlippedBitInTheChainInAKeptStateAndInAFrame) {
     flip_bit(trajectory, file.size() / 2);
   }
   expect_words(in(workplace, {"verify", "out"}), 1, "of trajectory.h5, of step ");
+}
+
+/// Writes trajectory.h5 anew, with its frames as `change` leaves them; of `frames` frames at most.
+void rewrite_frames(fs::path const& file, std::size_t frames,
+                    std::function<void(std::size_t, gridlock::H5mdFrame&)> const& change) {
+  fs::path const other = file.string() + ".other";
+  {
+    gridlock::H5mdReader const reader(file);
+    auto writer = gridlock::H5mdWriter::create(other, reader.settings(), reader.frame(0).frame);
+    for (std::size_t k = 0; k < std::min(frames, reader.frame_count()); ++k) {
+      gridlock::H5mdFrame frame = reader.frame(k);
+      change(k, frame);
+      writer.write(frame);
+    }
+  }
+  fs::rename(other, file);
+}
+
+TEST(Verify, FindsAMissingLastFrameAndAnotherBoxOrObservableOfAFrame) {
+  Workplace const workplace;
+  make_run(workplace, with_states);
+  fs::path const trajectory = workplace / "out/trajectory.h5";
+  std::string const bytes = text_of(trajectory);
+  rewrite_frames(trajectory, 9, [](std::size_t, gridlock::H5mdFrame&) {});
+  expect_words(in(workplace, {"verify", "out"}), 0, "5 frames, ");
+  rewrite_frames(trajectory, 4, [](std::size_t, gridlock::H5mdFrame&) {});
+  expect_words(in(workplace, {"verify", "out"}), 1, "trajectory.h5 has no frame of step 1000");
+  write(trajectory, bytes);
+  rewrite_frames(trajectory, 9, [](std::size_t k, gridlock::H5mdFrame& frame) {
+    if (k == 2) frame.frame.box = gridlock::Box(1.0, 1.0 + 1e-15, gridlock::Edge::wall);
+  });
+  expect_words(in(workplace, {"verify", "out"}), 1, "frame 2 of trajectory.h5, of step 500, has another box");
+  write(trajectory, bytes);
+  rewrite_frames(trajectory, 9, [](std::size_t k, gridlock::H5mdFrame& frame) {
+    if (k == 2) frame.observables.front() = std::nextafter(frame.observables.front(), 1.0);
+  });
+  Outcome const found = in(workplace, {"verify", "out"});
+  expect_words(found, 1, "frame 2 of trajectory.h5, of step 500, has mean_displacement = ");
+  // In a window too, since a kept state holds what observables remember.
+  expect_words(in(workplace, {"verify", "out", "--windows", "4"}), 1, "of step 500, has mean_displacement = ");
+}
+
+TEST(Verify, FindsAnEditedResultByItsFileAndPlace) {
+  Workplace const workplace;
+  make_run(workplace, "disks.count = 36\nrun.steps = 200\n");
+  struct Edit {
+    std::string file, old, present, words;
+  };
+  for (Edit const& edit :
+       {Edit{"final.xyz", ".", ".1", "final.xyz, line 2, has "},
+        Edit{"series.csv", "\n100,", "\n101,", "step = 101 in row 2"},
+        Edit{"pair_correlation.csv", "distance", "length", "pair_correlation.csv has no column distance"},
+        Edit{"summary.json", "\"pair_collisions\": ", "\"pair_collisions\": 1",
+             "summary.json has counters/pair_collisions = 1"},
+        Edit{"summary.json", "\"mean_speed\": {", "\"mean_speeds\": {",
+             "has mean_speed/value = nothing, where the replay has"}}) {
+    fs::path const file = workplace / "out" / edit.file;
+    std::string const text = text_of(file);
+    replace(file, edit.old, edit.present);
+    expect_words(in(workplace, {"verify", "out"}), 1, edit.words);
+    write(file, text);
+  }
+  fs::remove(workplace / "out/final.xyz");
+  expect_words(in(workplace, {"verify", "out"}), 0, ", 5 files of results agree");
 }
 
 TEST(Verify, RefusesChangedSettingsAnotherSeedAndAnEditedStartByName) {
@@ -211,7 +278,7 @@ TEST(Verify, OfALongRunComparesNoMoreThan200HashesAlongItWhichAreEvenlySpread) {
   // Every hundredth step at first, then every second of them, and every second again.
   ASSERT_EQ(steps.size(), 112U);
   for (std::size_t k = 0; k < steps.size(); ++k) EXPECT_EQ(steps[k], 400 * (k + 1));
-  expect_words(in(workplace, {"verify", "out"}), 0, "steps 0 to 45000: 114 hashes agree");
+  expect_words(in(workplace, {"verify", "out"}), 0, "steps 0 to 45000: 114 hashes, ");
 }
 
 TEST(Verify, GivesALinkWithWhichThePageMakesTheRun) {

@@ -140,6 +140,10 @@ class Run {
   /// Like advance(), but stops at `step` of the clock at the latest. Such a stop takes no additional sample.
   RunStatus advance_to(std::uint64_t step, OnProgress const& on_progress = {}, Callback const& callback = {});
 
+  /// Call it after restoring the simulation alone, at a step whose samples and frames were taken: the run goes on from
+  /// there.
+  void continue_from_here() { last_stop_ = simulation_.clock(); }
+
   /// Makes averages leave out samples up to `step` of the clock, in place of the equilibration of the plan.
   void leave_out_until(std::uint64_t step) { left_out_until_ = step; }
 

@@ -40,6 +40,7 @@ struct Verification {
   std::size_t hashes = 0;            ///< recorded hashes that agree
   std::size_t frames = 0;            ///< frames of trajectory.h5 that agree, bit for bit
   std::size_t states = 0;            ///< kept states that agree
+  std::size_t results = 0;           ///< files of results that agree; a whole run has them at its end
   std::string version;               ///< of this program
   std::string target;                ///< instructions of the replay
   std::string recorded_version;      ///< of the run; empty if it is not finished
@@ -47,11 +48,10 @@ struct Verification {
 };
 
 /// Replays the run in a directory, or windows of it, and compares each recorded state hash, frame and kept state that
-/// it passes, bit for bit.
+/// it passes, bit for bit; of a whole run also its results: summary.json, final.xyz and all tables that are there.
 ///
 /// A run that is not finished is replayed up to its last recorded hash. A window begins at one of the states that
-/// checkpoint.keep_states has kept, whose hash is compared first. The tables and averages of the run are not computed
-/// again. Errors: Error for a directory without a run, a run that a process works on, one that has recorded no hashes
+/// checkpoint.keep_states has kept, whose hash is compared first. Errors: Error for a directory without a run, a run that a process works on, one that has recorded no hashes
 /// or, for windows, kept no states, and one whose settings or start file were changed since, by name.
 /// Cost: that of the steps that are replayed.
 Verification verify_run(std::filesystem::path const& directory, VerifyOptions const& options = {});
