@@ -393,20 +393,24 @@ class Verification(NamedTuple):
     """What :func:`verify` has found."""
 
     is_verified: bool  #: whether everything that was replayed agrees, bit for bit
-    text: str  #: the sentence of ``gridlock verify``: what agrees, or where the first difference is
+    text: str  #: the sentence of ``gridlock verify``: what agrees, or where the first difference is; of several runs a line for each
     steps: int  #: replayed
-    hashes: int  #: that agree, as have the next two
+    hashes: int  #: that agree, as have the next three
     states: int
     frames: int
+    results: int  #: files: tables, final.xyz and summary.json
+    runs: int  #: in which all agrees
 
 
 def verify(directory: str | os.PathLike[str], *, windows: int = 0, seed: int = 1, window_steps: int | None = None,
            threads: int | None = None) -> Verification:
-    """Replays a run and compares it with the hashes, frames and states that it has recorded, as ``gridlock verify`` does.
+    """Replays a run, all runs of a sweep or those of a study, and compares them with what they have recorded, as ``gridlock verify`` does.
 
-    :param windows: how many parts to replay, chosen at random from the states of ``checkpoint.keep_states``; 0: the whole run.
+    :param windows: how many parts to replay, chosen at random from the states of ``checkpoint.keep_states``, of a study how many
+        runs; 0: the whole run.
     :param window_steps: the length of a part; None: up to the next recorded hash.
-    :raises Error: for a directory whose run cannot be verified, as where its settings were changed since.
+    :raises Error: for the directory of one run that cannot be verified, as where its settings were changed since; of several runs
+        ``text`` names those.
     """
     return Verification(**_core.verify_directory(
         str(directory), as_count(windows, "windows", "use a whole number, 0 or above", least=0, most=MOST_STEPS),

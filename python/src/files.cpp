@@ -91,20 +91,32 @@ std::string resume_directory(std::string const& directory, std::optional<std::ui
 
 NamedValues verify_directory(std::string const& directory, std::uint64_t windows, std::uint64_t seed,
                              std::optional<std::uint64_t> window_steps, std::optional<std::uint64_t> threads) {
-  Verification found;
+  VerifiedRuns found;
+  std::string text;
   {
     nb::gil_scoped_release const released;
-    found = verify_run(
+    found = verify_all(
         directory,
-        {.windows = windows, .seed = seed, .window_steps = window_steps, .threads = threads, .on_progress = {}});
+        {.windows = windows, .seed = seed, .window_steps = window_steps, .threads = threads, .on_progress = {}},
+        [&](std::string const& line) { text += (text.empty() ? "" : "\n") + line; });
+  }
+  Verification sum;
+  for (Verification const& run : found.runs) {
+    sum.steps += run.steps;
+    sum.hashes += run.hashes;
+    sum.states += run.states;
+    sum.frames += run.frames;
+    sum.results += run.results;
   }
   NamedValues values;
-  values["is_verified"] = found.difference.empty();
-  values["text"] = to_text(found);
-  values["steps"] = found.steps;
-  values["hashes"] = found.hashes;
-  values["states"] = found.states;
-  values["frames"] = found.frames;
+  values["is_verified"] = found.different == 0 && found.refused == 0;
+  values["text"] = text;
+  values["steps"] = sum.steps;
+  values["hashes"] = sum.hashes;
+  values["states"] = sum.states;
+  values["frames"] = sum.frames;
+  values["results"] = sum.results;
+  values["runs"] = found.verified;
   return values;
 }
 

@@ -25,6 +25,17 @@ def test_a_run_is_verified_whole_and_in_windows_and_a_changed_one_refused(tmp_pa
         gridlock.verify(tmp_path / "run", windows=-1)
 
 
+def test_a_sweep_is_verified_as_on_the_command_line(tmp_path: pathlib.Path, program: str) -> None:
+    gridlock.sweep({"disks": {"count": 9}, "run": {"steps": 100}, "checkpoint": {"keep_states": 1}}, {"run.seed": [1, 2]}, tmp_path / "sweep")
+    found = gridlock.verify(tmp_path / "sweep", windows=0)
+    assert found.is_verified and found.runs == 2 and found.steps == 200
+    out = subprocess.run([program, "verify", "--windows", "0", str(tmp_path / "sweep")], check=True, capture_output=True, text=True).stdout
+    assert out == found.text + "\n"
+    (tmp_path / "sweep" / "runs" / "seed=2" / "hashes.csv").unlink()
+    other = gridlock.verify(tmp_path / "sweep")
+    assert not other.is_verified and other.runs == 1 and other.text.endswith("1 of 2 runs verified; 0 different, 1 cannot be verified")
+
+
 def test_a_link_of_the_command_line_holds_the_settings_of_the_run(tmp_path: pathlib.Path, program: str) -> None:
     gridlock.run(SETTINGS, tmp_path / "run")
     out = subprocess.run([program, "verify", str(tmp_path / "run"), "--link"], check=True, capture_output=True, text=True).stdout

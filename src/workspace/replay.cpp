@@ -88,8 +88,7 @@ bool Replay::compare(HashLink const& link, std::uint64_t hash) {
   }
   std::string const place =
       is_of_step(link) || link.of == "end"
-          ? fmt::format("step {} agrees, and the next that is recorded, {}, differs", known_step_,
-                        link.step)
+          ? fmt::format("step {} agrees, and the next that is recorded, {}, differs", known_step_, link.step)
           : fmt::format("the first difference is in {}", link.of);
   return differ(fmt::format("{}: the state hash is {:016x}, and the run recorded {:016x}", place, hash, link.hash));
 }
@@ -111,12 +110,13 @@ std::string Replay::difference_of_frame(std::size_t frame, std::uint64_t hash) c
 
 /// Compares the observables of a frame with the sample of its step. Those of another program are left out.
 std::string Replay::difference_of_observables(std::vector<double> const& recorded) const {
+  if (!sample_.values()) return "";
   std::vector<ColumnInfo> const columns = simulation_.columns();
   std::vector<H5mdObservable> const& names = trajectory_->settings().observables;
   for (std::size_t k = 0; k < columns.size(); ++k) {
     auto const place = std::ranges::find(names, columns[k].name, &H5mdObservable::name);
     if (place == names.end()) return fmt::format("no observable {}, which the replay has", columns[k].name);
-    double const value = sample_.values().empty() ? no_value : sample_.values()[k];
+    double const value = sample_.values()->empty() ? no_value : (*sample_.values())[k];
     double const in_file = recorded[static_cast<std::size_t>(place - names.begin())];
     bool const has_no_value = std::isnan(in_file) && std::isnan(value);
     if (has_no_value || word_of(in_file) == word_of(value)) continue;
@@ -249,6 +249,7 @@ bool Replay::restore(HashLink const& state) {
     if (!restored) return differ(fmt::format("the kept state {} is missing", directory.string()));
     simulation_.take_restored();
     run_.continue_from_here();
+    sample_.forget();  // a kept state has what observables remember, but not the sample of its step
   } catch (Error const& error) {
     return differ(fmt::format("the kept state of step {}: {}", state.step, error.problems().front().what));
   }

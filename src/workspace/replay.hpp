@@ -25,15 +25,17 @@ class LastSample final : public Writer {
   /// The run never stops for it.
   [[nodiscard]] std::uint64_t next_after(std::uint64_t) const override { return never_reached; }
   void write(Simulation const&, std::span<double const> sample) override {
-    values_.assign(sample.begin(), sample.end());
+    values_.emplace(sample.begin(), sample.end());
   }
   void serialize(Archive&) override {}
 
-  /// Returns one value for each column of the simulation; none where no sample was due.
-  [[nodiscard]] std::vector<double> const& values() const { return values_; }
+  void forget() { values_.reset(); }
+  /// Returns one value for each column of the simulation, no values where no sample was due, and nothing where it is not
+  /// known.
+  [[nodiscard]] std::optional<std::vector<double>> const& values() const { return values_; }
 
  private:
-  std::vector<double> values_;
+  std::optional<std::vector<double>> values_;
 };
 
 /// Carries out a recorded run again and compares it with the record. The first difference goes into

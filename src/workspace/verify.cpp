@@ -212,23 +212,4 @@ std::string to_text(Verification const& found) {
   return fmt::format("verified: {}: {}: {} agree bit for bit, {}", directory, what, agree, with);
 }
 
-std::vector<fs::path> runs_below(fs::path const& directory) {
-  std::error_code error;
-  std::vector<fs::path> runs;
-  if (fs::exists(directory / configuration_name, error)) return {directory};
-  if (!fs::is_directory(directory, error)) {
-    bool const exists = fs::exists(directory, error);
-    throw Error({.what = exists ? fmt::format("{} is not a directory", directory.string())
-                                : fmt::format("there is no directory {}", directory.string()),
-                 .hint = "name the directory of a run, of a sweep or of several runs"});
-  }
-  for (fs::recursive_directory_iterator entry(directory, error); !error && entry != fs::recursive_directory_iterator();
-       entry.increment(error)) {
-    if (entry->path().filename() == configuration_name) runs.push_back(entry->path().parent_path());
-  }
-  if (runs.empty()) require_run(directory);
-  std::ranges::sort(runs);
-  return runs;
-}
-
 }  // namespace gridlock

@@ -6,6 +6,7 @@ import dataclasses
 import importlib.util
 import os
 import pathlib
+import re
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -16,11 +17,13 @@ from gridlock.progress import ProgressBar
 from gridlock.settings import as_threads
 
 from . import report, style
-from .chapter import Chapter, Claim, Context
-from .runs import PartialResults, cores
+from .chapter import Chapter, Claim, Context, SetUp
+from .runs import PartialResults, cores, recorded_settings
 
 REPORT = "report.html"
 PARTIAL_RESULTS = "partial_results"
+#: Of a chapter that does not choose its own.
+MOST_LINKS = 12
 
 #: A function of the share of the work that is done and of what is being done now, a few times a second; what it raises ends the
 #: study.
@@ -196,6 +199,9 @@ def _make(study: Study, context: Context[Any, Any, Any], figure: int | None, job
         study.write_runs(context)
     progression.part = 2
     chapters = [part.make(context) for part in parts]
+    for part, chapter in zip(parts, chapters):
+        if part.plan is not None and not chapter.set_ups:
+            chapter.set_ups = _set_ups_of(part.plan(context))
 
     context.notes += context.runs.failures
     if context.partial_results.problem:
@@ -207,6 +213,16 @@ def _make(study: Study, context: Context[Any, Any, Any], figure: int | None, job
     context.partial_results.remove_all()
     claims = [claim for chapter in chapters for claim in chapter.claims]
     return Made(claims, context.files, context.notes, seconds)
+
+
+def _set_ups_of(runs: Sequence[Any]) -> list[SetUp]:
+    """The first run of each title, whatever its seed, for the playground; some of them, evenly chosen, where there are many."""
+    firsts: dict[str, Any] = {}
+    for run in runs:
+        firsts.setdefault(re.sub(r", seed \d+$", "", run.title), run)
+    found = [SetUp(title, settings) for title, run in firsts.items() if (settings := recorded_settings(run)) is not None]
+    step = -(-len(found) // MOST_LINKS) or 1
+    return found[::step]
 
 
 def _playground_of(context: Context[Any, Any, Any], chapters: Sequence[Chapter]) -> str | None:

@@ -101,7 +101,8 @@ def html(texts: Texts, context: Context[Any, Any, Any], chapters: Sequence[Chapt
     made = (f"Extent: {context.extent.name}. Gridlock {__version__}, seed {context.seed}, {seconds:.0f} s"
             f"{' since the last interruption' if is_resumed else ''}. Every plot has its data (.csv) beside it.")
     if len(context.runs):
-        made += f" Each of the {len(context.runs)} simulations is listed in runs.csv with its settings and state hash."
+        made += (f" Each of the {len(context.runs)} simulations is listed in runs.csv with its settings and state hash; gridlock verify "
+                 "makes them again.")
     environment = jinja2.Environment(loader=jinja2.PackageLoader("gridlock_studies", "."), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters["typeset"] = typeset

@@ -7,6 +7,7 @@ import contextlib
 import functools
 import hashlib
 import io
+import json
 import os
 import pathlib
 import re
@@ -56,6 +57,15 @@ class Run(Protocol[OutcomeOfRun]):
 
 
 RunType = TypeVar("RunType", bound="Run[Any]")
+
+
+def recorded_settings(run: Any) -> dict[str, Any] | None:
+    """The settings of a run that has them in JSON, as ``recorded_settings`` or ``settings``; None where they do not tell all of it."""
+    text = getattr(run, "recorded_settings", getattr(run, "settings", ""))
+    if not isinstance(text, str) or not text:
+        return None
+    found: dict[str, Any] = json.loads(text)
+    return found
 
 
 class PartialResults:

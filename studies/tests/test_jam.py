@@ -1,12 +1,15 @@
 """The study of jamming: made whole on a toy, continued, refused; its numbers beside those of the definitions."""
 
+import base64
 import csv
 import dataclasses
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 import pytest
@@ -58,6 +61,30 @@ def test_the_numbers_are_those_of_single_runs(whole):
     simulation.run()
     assert simulation.state_hash == row["state_hash"]
     assert float(simulation.results["jamming_packing_fraction"].value) == float(row["jamming_packing_fraction"])
+
+
+def test_a_study_is_verified_as_a_whole_and_an_edited_hash_or_setting_found(tmp_path, whole):
+    text = (whole[0] / "runs.csv").read_text()
+    (tmp_path / "runs.csv").write_text(text)
+    found = gridlock.verify(tmp_path, windows=3, seed=2)
+    assert found.is_verified and found.runs == found.hashes == 3 and f"3 of the {len(rows_of(tmp_path / 'runs.csv'))} runs" in found.text
+    kept = "\n".join(text.splitlines()[:3]) + "\n"
+    for old, new in ((rows_of(tmp_path / "runs.csv")[1]["state_hash"], "0123456789abcdef"), ('""seed"": 2', '""seed"": 22')):
+        (tmp_path / "runs.csv").write_text(kept.replace(old, new))
+        other = gridlock.verify(tmp_path)
+        assert not other.is_verified and other.runs == 1 and "row 2 of runs.csv: the last state hash is" in other.text
+
+
+def test_every_chapter_links_to_set_ups_that_run(tmp_path, monkeypatch):
+    monkeypatch.setenv("GRIDLOCK_PLAYGROUND", "https://example.org/")
+    jam.make(tmp_path, TINY, 1)
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    first = re.search(r'href="https://example.org/#toml=([^"]+)">36 disks quenched at 0.9<', report)
+    text = zlib.decompress(base64.urlsafe_b64decode(first[1] + "=" * (-len(first[1]) % 4)), -zlib.MAX_WBITS).decode()
+    (tmp_path / "run.toml").write_text(text)
+    simulation = gridlock.Simulation(tmp_path / "run.toml")
+    simulation.run()
+    assert simulation.state_hash in (tmp_path / "runs.csv").read_text()
 
 
 def test_the_numbers_do_not_depend_on_the_threads(tmp_path, whole):

@@ -59,8 +59,21 @@ Verification verify_run(std::filesystem::path const& directory, VerifyOptions co
 /// Returns the result as a sentence: which steps agree, with which instructions and version, or where they differ.
 std::string to_text(Verification const& found);
 
-/// Returns the directories of all runs in a directory and below it, sorted: of a sweep or a study those of its runs.
-/// Errors: Error if there is no such directory, or none of a run in it.
-std::vector<std::filesystem::path> runs_below(std::filesystem::path const& directory);
+/// The result of verify_all().
+struct VerifiedRuns {
+  std::vector<Verification> runs;  ///< those that could be replayed; of a study one entry for all
+  std::size_t verified = 0;        ///< runs
+  std::size_t different = 0;
+  std::size_t refused = 0;  ///< runs that cannot be verified, or are missing from their sweep
+};
+
+/// Verifies a run; all runs below a directory, as of a sweep; or a study, whose table runs.csv has the settings of each
+/// run in JSON and its last state hash, in the columns `settings` and `state_hash`.
+///
+/// `on_line` is called with a sentence on each run, and for several with one on all. Windows are parts of each run; of
+/// a study they are whole runs, chosen at random. Errors: those of verify_run() for one run; for several Error if there
+/// is no such directory, or none of a run in it. Cost: that of the runs.
+VerifiedRuns verify_all(std::filesystem::path const& directory, VerifyOptions const& options,
+                        std::function<void(std::string const&)> const& on_line);
 
 }  // namespace gridlock

@@ -89,6 +89,11 @@ class Run:
             del settings["engine"]["contact"]
         return settings
 
+    @property
+    def recorded_settings(self) -> str:
+        """In JSON, for ``gridlock verify``; empty where the study places the disks itself."""
+        return json.dumps(self.settings) if self.sites == "fitted" else ""
+
     def simulation(self) -> Simulation:
         """:raises Error: where the start does not exist."""
         settings = self.settings

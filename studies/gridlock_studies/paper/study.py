@@ -19,11 +19,11 @@ def _write_runs(context: Context) -> None:
     """Every simulation, its settings and what came out."""
     context.write_table(
         "runs.csv", "start sites edge engine contact state_hash disks steps seed packing_fraction time_step time "
-        "mean_displacement halted_fraction collision_rate seconds",
+        "mean_displacement halted_fraction collision_rate seconds settings",
         [(run.start, run.sites, run.edge, run.engine, run.contact, outcome.state_hash, run.disks,
           int(outcome.series["step"][-1]), run.seed, run.packing_fraction, run.time_step,
           *(float(outcome.series[name][-1]) for name in ("time", "mean_displacement", "halted_fraction", "collision_rate")),
-          outcome.seconds) for run, outcome in context.runs])
+          outcome.seconds, run.recorded_settings) for run, outcome in context.runs])
 
 
 STUDY = Study(
