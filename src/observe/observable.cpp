@@ -34,6 +34,12 @@ namespace gridlock {
 void describe(ObserveSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "every", .unit = "steps", .documentation = "Steps between two samples.", .min = 1.0},
                 settings.every);
+  visitor.visit({.key = "per_decade",
+                 .documentation = "Samples for each factor of ten in the number of steps, evenly in its logarithm, "
+                                  "the first after observe.every steps; averages and curves need even samples and "
+                                  "are then left out. 0: a sample every observe.every steps.",
+                 .max = 1000},
+                settings.per_decade);
   visitor.visit({.key = "equilibration",
                  .documentation = "Share of the run at its start that averages leave out.",
                  .min = 0.0,

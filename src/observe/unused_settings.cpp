@@ -9,7 +9,11 @@ std::string_view unused_because_of(ObserveSettings const& settings, std::string_
     std::string_view choice;
   };
   for (Needed const& needed :
-       {Needed{"pair_correlation_range", settings.structure_every > 0, "observe.structure_every = 0"},
+       {Needed{"equilibration", settings.per_decade == 0, "observe.per_decade"},
+        Needed{"displacement_lag", settings.per_decade == 0, "observe.per_decade"},
+        Needed{"velocity_origin_every", settings.per_decade == 0, "observe.per_decade"},
+        Needed{"density_profile", settings.per_decade == 0, "observe.per_decade"},
+        Needed{"pair_correlation_range", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"pair_correlation_bins", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"orientation_correlation", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"density_profile_bins", settings.density_profile != ProfileAxes::none,

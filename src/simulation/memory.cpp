@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -49,8 +50,10 @@ MemoryDemand series_of(Configuration const& configuration) {
   // If a time or collisions may end the run earlier, most of run.steps may never be reached.
   bool const is_as_long = !configuration.run.time && !configuration.run.collisions_per_disk;
   std::uint64_t const steps = is_as_long ? configuration.run.steps.value_or(0) : 0;
-  std::uint64_t const samples = steps / std::max<std::uint64_t>(1, configuration.observe.every);
-  auto const rows = static_cast<double>(samples);
+  ObserveSettings const& observe = configuration.observe;
+  double const even =
+      std::floor(static_cast<double>(steps) / static_cast<double>(std::max<std::uint64_t>(1, observe.every)));
+  double const rows = observe.per_decade == 0 ? even : static_cast<double>(observe.per_decade) * std::log10(even + 1.0);
   return {fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
           "use a larger observe.every, or fewer run.steps"};
 }

@@ -30,6 +30,29 @@ char const* to_text(RunStatus status) {
   return "failed";
 }
 
+namespace {
+
+/// Returns sample k of `per_decade` in each decade, in intervals.
+std::uint64_t logarithmic_sample(double k, std::uint64_t per_decade) {
+  double const intervals = std::floor(std::pow(10.0, k / static_cast<double>(per_decade)) + 0.5);
+  return intervals < 0x1p63 ? static_cast<std::uint64_t>(intervals) : never_reached;
+}
+
+}  // namespace
+
+std::uint64_t RunPlan::next_sample(std::uint64_t steps) const {
+  if (samples_per_decade == 0) return next_multiple(sample_every, steps);
+  std::uint64_t const intervals = steps / sample_every;
+  // Rounding may put the logarithm of a sample just below its number.
+  double const before = std::log10(std::max(1.0, static_cast<double>(intervals)));
+  double k = intervals == 0 ? 0.0 : std::max(0.0, std::floor(before * static_cast<double>(samples_per_decade)) - 1.0);
+  std::uint64_t sample = logarithmic_sample(k, samples_per_decade);
+  while (sample <= intervals && sample != never_reached) sample = logarithmic_sample(++k, samples_per_decade);
+  return sample < never_reached / sample_every ? sample * sample_every : never_reached;
+}
+
+bool RunPlan::is_sample_due(std::uint64_t steps) const { return steps == 0 || next_sample(steps - 1) == steps; }
+
 std::vector<ColumnInfo> clock_columns() {
   return {{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}};
 }
@@ -190,21 +213,22 @@ double Run::fraction_of(Extent const& extent) const {
 double Run::share_of_preparation() const { return plan_.stop_condition.step == first_.step ? 1.0 : 0.5; }
 
 double Run::fit_equilibration() {
+  if (plan_.samples_per_decade > 0) return plan_.equilibration;
   bool const is_left_out = fraction_of(last_left_out_) <= plan_.equilibration;
   bool const is_averaged = !first_averaged_ || fraction_of(*first_averaged_) > plan_.equilibration;
   if (!is_left_out || !is_averaged) plan_.equilibration = fraction_of(last_left_out_);
   return plan_.equilibration;
 }
 
-/// Samples and writes what is due at this step, once. Multiples of sample_every count from the start, so that
-/// interruptions do not change the times of samples.
+/// Samples and writes what is due at this step, once. Samples count from the start, so that interruptions do not change
+/// their times.
 void Run::stop_here() {
   if (last_stop_ == simulation_.clock()) return;
   // Some engines can stop within a step; the writers of that step are not called again.
   bool const is_new_step = !last_stop_ || last_stop_->step != simulation_.clock().step;
   bool const is_first = !last_stop_;
   last_stop_ = simulation_.clock();
-  bool const is_sample_due = is_first || (is_new_step && steps_done() % plan_.sample_every == 0);
+  bool const is_sample_due = is_first || (is_new_step && plan_.is_sample_due(steps_done()));
   if (is_sample_due || has_reached_end()) sample();
   if (!is_new_step) return;
   std::span<double const> row = last_row_;
@@ -218,7 +242,7 @@ void Run::sample() {
   // The sample at the start is never part of an average.
   bool const is_equilibrated =
       left_out_until_ ? simulation_.clock().step > *left_out_until_ : fraction_done() > plan_.equilibration;
-  bool const counts = steps_done() > 0 && is_equilibrated;
+  bool const counts = steps_done() > 0 && is_equilibrated && plan_.samples_per_decade == 0;
   if (!counts) last_left_out_ = extent();
   if (counts && !first_averaged_) first_averaged_ = extent();
   Clock const clock = simulation_.clock();
@@ -233,7 +257,7 @@ void Run::sample() {
 
 /// Returns the stop condition of the next chunk: the next sample, frame or pause, or the end of the run.
 StopCondition Run::next_stop() const {
-  std::uint64_t next = next_multiple(plan_.sample_every, steps_done());
+  std::uint64_t next = plan_.next_sample(steps_done());
   for (Writer const* writer : writers_) next = std::min(next, writer->next_after(steps_done()));
   StopCondition stop = plan_.stop_condition;
   stop.step = std::min({stop.step, saturating_sum(first_.step, next), pause_at_});

@@ -105,6 +105,7 @@ StopCondition stop_condition_of(Setup const& setup) {
 RunPlan plan_of(Setup const& setup) {
   return {.stop_condition = stop_condition_of(setup),
           .sample_every = setup.configuration.observe.every,
+          .samples_per_decade = setup.configuration.observe.per_decade,
           .equilibration = setup.configuration.observe.equilibration};
 }
 

@@ -142,19 +142,20 @@ void remove_kept_states(fs::path const& run) {
   fs::remove(run / states_name, ignored);
 }
 
-HashChain::HashChain(Run const& run, std::uint64_t sample_every, std::uint64_t states,
-                     std::function<void(std::uint64_t)> keep)
+HashChain::HashChain(Run const& run, RunPlan const& plan, std::uint64_t states, std::function<void(std::uint64_t)> keep)
     : run_(run),
-      sample_every_(sample_every),
-      every_((min_steps_between_links + sample_every - 1) / sample_every * sample_every),
+      plan_(plan),
+      every_((min_steps_between_links + plan.sample_every - 1) / plan.sample_every * plan.sample_every),
       states_(states),
       keep_(std::move(keep)) {}
 
-bool HashChain::is_link_due(std::uint64_t steps) const { return steps % every_ == 0; }
+bool HashChain::is_link_due(std::uint64_t steps) const {
+  return plan_.samples_per_decade > 0 ? plan_.is_sample_due(steps) : steps % every_ == 0;
+}
 
 /// Returns whether another of equal parts of the run has ended since the last kept state.
 bool HashChain::is_state_due(std::uint64_t steps) const {
-  if (states_ == 0 || steps % sample_every_ != 0 || run_.has_reached_end()) return false;
+  if (states_ == 0 || !plan_.is_sample_due(steps) || run_.has_reached_end()) return false;
   auto const part = [&](Extent const& extent) {
     return std::floor(static_cast<double>(states_ + 1) * run_.fraction_of(extent));
   };
@@ -180,7 +181,7 @@ void HashChain::write(Simulation const& simulation, std::span<double const> /*sa
 /// Removes every second link if there are too many, and takes them half as often from here on.
 void HashChain::thin_out(std::uint64_t first_step) {
   auto const links = std::ranges::count(links_, "run", &HashLink::of);
-  if (static_cast<std::size_t>(links) <= max_links) return;
+  if (plan_.samples_per_decade > 0 || static_cast<std::size_t>(links) <= max_links) return;
   every_ *= 2;
   std::erase_if(links_,
                 [&](HashLink const& link) { return link.of == "run" && (link.step - first_step) % every_ != 0; });

@@ -40,15 +40,14 @@ std::filesystem::path directory_of_state(std::filesystem::path const& run, std::
 void remove_kept_states(std::filesystem::path const& run);
 
 /// Records state hashes during a run, at samples: at least 100 steps apart, and between 100 and 200 of them in a long
-/// run. They depend on the steps only, not on the length of the run or on interruptions. Cost: one pass over the agents
+/// run; of samples even in the logarithm each has one. They depend on the steps only, not on the length of the run or on interruptions. Cost: one pass over the agents
 /// a hash, at most 0.2 % of a run.
 ///
 /// States to be kept are recorded too. They are spread evenly along the run, at samples.
 class HashChain final : public Writer {
  public:
   /// `keep` is called with the step of each state that is to be kept, `states` times in the whole run.
-  HashChain(Run const& run, std::uint64_t sample_every, std::uint64_t states,
-            std::function<void(std::uint64_t step)> keep);
+  HashChain(Run const& run, RunPlan const& plan, std::uint64_t states, std::function<void(std::uint64_t step)> keep);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const override;
   /// The run never stops for a hash.
@@ -64,7 +63,7 @@ class HashChain final : public Writer {
   void thin_out(std::uint64_t first_step);
 
   Run const& run_;
-  std::uint64_t sample_every_;
+  RunPlan plan_;
   std::uint64_t every_;  ///< steps between links
   std::uint64_t states_;
   std::function<void(std::uint64_t)> keep_;

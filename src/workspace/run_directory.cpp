@@ -57,7 +57,7 @@ class RunInDirectory {
         plan_(plan_of(setup_)),
         simulation_(*setup_.simulation),
         run_(simulation_, plan_),
-        chain_(run_, plan_.sample_every, setup_.configuration.checkpoint.keep_states,
+        chain_(run_, plan_, setup_.configuration.checkpoint.keep_states,
                [this](std::uint64_t step) { keep_state(step); }) {
     add_trajectory();
     run_.add(chain_);

@@ -79,6 +79,18 @@ TEST(Verify, AcceptsARunOfOtherThreadsAndInstructions) {
   expect_words(verified, 0, "; recorded with scalar by ");
 }
 
+TEST(Verify, AcceptsSamplesEvenInTheLogarithmWholeAndInWindows) {
+  Workplace const workplace;
+  make_run(workplace,
+           "disks.count = 16\nrun.steps = 2000\nobserve = { every = 1, per_decade = 5 }\ncheckpoint.keep_states = 3\n"
+           "trajectory.steps = [40, 100, 1000]\n");
+  // 0; 1, 2, 3, 4, 6; 10, 16, 25, 40, 63; 100 …; 1000, 1585; and the end.
+  Outcome const info = in(workplace, {"info", "out/series.csv"});
+  expect_words(info, 0, "a table of 19 rows");
+  expect_words(in(workplace, {"verify", "out"}), 0, "verified: out: steps 0 to 2000: ");
+  expect_words(in(workplace, {"verify", "out", "--windows", "1"}), 0, "verified: out: 1 window with ");
+}
+
 TEST(Verify, AcceptsAPackingStageByStage) {
   Workplace const workplace;
   make_run(workplace,

@@ -116,6 +116,7 @@ enum class FluxLine { none, vertical, horizontal };
 /// The settings `[observe]`.
 struct ObserveSettings {
   std::uint64_t every = 100;            ///< steps between samples
+  std::uint64_t per_decade = 0;         ///< samples for each factor of ten in `every` steps; 0: one every `every` steps
   double equilibration = 0.2;           ///< share of the run that averages leave out at its start
   std::uint64_t structure_every = 10;   ///< samples between measurements of ψ6 and g(r); 0 for none
   double pair_correlation_range = 5.0;  ///< largest distance of g(r), in mean diameters

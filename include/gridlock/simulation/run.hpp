@@ -79,8 +79,8 @@ class Writer {
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
   /// Returns the next step after `steps` at which write() is due, or `never_reached`. The run stops at this step.
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
-  /// Writes the present state. `sample` is the row of the series of this step, without step and time. It is empty if
-  /// the step is no multiple of sample_every, also at the end of the run, so that the output does not depend on the
+  /// Writes the present state. `sample` is the row of the series of this step, without step and time. It is empty where
+  /// the plan has no sample, also at the end of the run, so that the output does not depend on the
   /// length of the run.
   virtual void write(Simulation const& simulation, std::span<double const> sample) = 0;
   /// Flushes its files and serializes their lengths: a restored run cuts the files to these lengths.
@@ -94,9 +94,17 @@ std::vector<ColumnInfo> clock_columns();
 struct RunPlan {
   StopCondition stop_condition;
   std::uint64_t sample_every = 100;  ///< steps between samples
-  double equilibration = 0.0;        ///< share of the run that averages leave out at its start
+  /// Samples for each factor of ten in the number of steps, p of them after sample_every · ⌊10^(k/p) + ½⌋ steps, k = 0,
+  /// 1, 2 …; none of them counts for averages, whose blocks need even ones. 0: even samples.
+  std::uint64_t samples_per_decade = 0;
+  double equilibration = 0.0;  ///< share of the run that averages leave out at its start
   /// Real time between two reports of progress; 0: a report after every step.
   double seconds_per_look = 0.1;
+
+  /// Returns whether a sample is due after so many steps; the start and the end have one besides.
+  [[nodiscard]] bool is_sample_due(std::uint64_t steps) const;
+  /// Returns the number of steps after which the next sample is due, or `never_reached`.
+  [[nodiscard]] std::uint64_t next_sample(std::uint64_t steps) const;
 };
 
 /// The record of a run of any simulation.
@@ -126,7 +134,7 @@ struct RunRecord {
 /// progress.
 ///
 /// A chunk ends at the next sample or writer, since starting a chunk costs time in some engines. Samples are taken at
-/// the start, at every multiple of sample_every steps and at the end. The bits of the simulation and of the series
+/// the start, where the plan has them and at the end. The bits of the simulation and of the series
 /// depend neither on how often progress is reported nor on interruptions nor, up to the sample at the end, on the
 /// length of the run. The simulation must outlive the run.
 class Run {

@@ -293,10 +293,11 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
 def _draw_mean_displacement(artist: _Artist, run: RunDirectory, mark: float | None) -> None:
     """On logarithmic axes, where free flight, cages and diffusion differ, with the error at the end."""
     def draw(axes: Any) -> None:
-        table, result = run.series, run.results["mean_displacement"]
+        table, result = run.series, run.results.get("mean_displacement")
         series(run, "mean_displacement", axes=axes)
         axes.lines[0].set_marker("o" if len(table) <= MOST_MARKS else "")
-        axes.errorbar(table["time"][-1], table["mean_displacement"][-1], result.error or 0.0, color=axes.lines[0].get_color())
+        error = result.error if result is not None else None
+        axes.errorbar(table["time"][-1], table["mean_displacement"][-1], error or 0.0, color=axes.lines[0].get_color())
         if np.count_nonzero((table["time"] > 0.0) & (table["mean_displacement"] > 0.0)) > 1:
             axes.set(xscale="log", yscale="log")
         if mark is not None:

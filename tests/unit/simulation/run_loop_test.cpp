@@ -129,6 +129,31 @@ TEST(RunLoop, SamplesOfARunThatStartsLaterAreMultiplesFromItsStart) {
   EXPECT_EQ(sampled(run), (Steps{1003, 1013, 1023, 1026}));
 }
 
+TEST(RunLoop, SamplesEvenInTheLogarithmAreThoseOfTheFormulaAndCountForNoAverage) {
+  Ticking simulation({.step = 1000, .time = 20.0});
+  gridlock::RunPlan const plan{.stop_condition = {.step = 1450}, .sample_every = 2, .samples_per_decade = 3};
+  gridlock::Run run(simulation, plan);
+  run.advance();
+  // 10^(k/3) rounded, in pairs of steps: 1, 2, 5, 10, 22, 46, 100, 215.
+  EXPECT_EQ(sampled(run), (Steps{1000, 1002, 1004, 1010, 1020, 1044, 1092, 1200, 1430, 1450}));
+  EXPECT_EQ(simulation.averaged, Steps{});
+  for (std::uint64_t per_decade : {1U, 7U, 10U, 1000U}) {
+    gridlock::RunPlan const other{.sample_every = 1, .samples_per_decade = per_decade};
+    std::uint64_t steps = 0;
+    for (std::uint64_t k = 0; k <= 15 * per_decade; ++k) {
+      auto const sample = static_cast<std::uint64_t>(
+          std::floor(std::pow(10.0, static_cast<double>(k) / static_cast<double>(per_decade)) + 0.5));
+      if (sample == steps) continue;
+      ASSERT_EQ(other.next_sample(steps), sample) << k << " of " << per_decade;
+      ASSERT_EQ(other.next_sample(sample - 1), sample);
+      ASSERT_TRUE(other.is_sample_due(sample));
+      steps = sample;
+    }
+  }
+  gridlock::RunPlan const sparse{.sample_every = std::uint64_t{1} << 62, .samples_per_decade = 1};
+  EXPECT_EQ(sparse.next_sample(std::uint64_t{1} << 62), gridlock::never_reached);
+}
+
 TEST(RunLoop, AveragesLeaveOutTheStartAndTheEquilibration) {
   Ticking whole;
   gridlock::Run(whole, {.stop_condition = {.step = 100}, .sample_every = 10}).advance();
