@@ -30,8 +30,7 @@ class LastSample final : public Writer {
   void serialize(Archive&) override {}
 
   void forget() { values_.reset(); }
-  /// Returns one value for each column of the simulation, no values where no sample was due, and nothing where it is not
-  /// known.
+  /// Returns one value for each column of the simulation, none where no sample was due; nothing where it is not known.
   [[nodiscard]] std::optional<std::vector<double>> const& values() const { return values_; }
 
  private:
