@@ -143,7 +143,8 @@ def _usual_peak(points: NDArray[np.float64], box: BoxLike, area: float, threads:
         theta, length = np.angle(four) / 4, 2 * np.pi * root
     else:
         theta, length = np.angle(six) / 6 + np.pi / 6, 2 * np.pi * _TRIANGULAR * root
-    return length * np.array([np.cos(theta), np.sin(theta)])
+    centre: NDArray[np.float64] = length * np.array([np.cos(theta), np.sin(theta)])
+    return centre
 
 
 def structure_peak(

@@ -40,8 +40,8 @@ std::filesystem::path directory_of_state(std::filesystem::path const& run, std::
 void remove_kept_states(std::filesystem::path const& run);
 
 /// Records state hashes during a run, at samples: at least 100 steps apart, and between 100 and 200 of them in a long
-/// run; of samples even in the logarithm each has one. They depend on the steps only, not on the length of the run or on
-/// interruptions. Cost: one pass over the agents a hash, at most 0.2 % of a run of even samples.
+/// run; of samples even in the logarithm each has one. They depend on the steps only, not on the length of the run or
+/// on interruptions. Cost: one pass over the agents a hash, at most 0.2 % of a run of even samples.
 ///
 /// States to be kept are recorded too. They are spread evenly along the run, at samples.
 class HashChain final : public Writer {

@@ -51,8 +51,9 @@ struct Verification {
 /// it passes, bit for bit; of a whole run also its results: summary.json, final.xyz and all tables that are there.
 ///
 /// A run that is not finished is replayed up to its last recorded hash. A window begins at one of the states that
-/// checkpoint.keep_states has kept, whose hash is compared first. Errors: Error for a directory without a run, a run that a process works on, one that has recorded no hashes
-/// or, for windows, kept no states, and one whose settings or start file were changed since, by name.
+/// checkpoint.keep_states has kept, whose hash is compared first.
+/// Errors: Error for a directory without a run, a run that a process works on, one that has recorded no hashes or, for
+/// windows, kept no states, and one whose settings or start file were changed since, by name.
 /// Cost: that of the steps that are replayed.
 Verification verify_run(std::filesystem::path const& directory, VerifyOptions const& options = {});
 
