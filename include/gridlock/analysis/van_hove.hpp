@@ -57,7 +57,8 @@ struct VanHove {
 /// agents no longer know of each other. Errors are those of find_dynamics(): from origins whose intervals do not
 /// overlap.
 /// Errors: those of find_dynamics(); Error for a range that is not positive, no bins or too many, lags below 0 or
-/// beyond the last frame, and with a box those of find_pair_correlations(). The result does not depend on the number of threads.
+/// beyond the last frame, and with a box those of find_pair_correlations(). The result does not depend on the number of
+/// threads.
 /// Cost: the self part 9 ns an origin and agent; the distinct part twice that of find_pair_correlations() an origin.
 /// Source: L. van Hove (1954), doi:10.1103/PhysRev.95.249.
 VanHove find_van_hove(TrajectoryInMemory const& trajectory, VanHoveSettings const& settings);
