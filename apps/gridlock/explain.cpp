@@ -99,10 +99,20 @@ std::vector<ColumnElsewhere> columns_of_curves() {
   configuration.disks = {.count = 16, .packing_fraction = 0.3};
   configuration.run.steps = 2;
   configuration.observe = settings_of_all_observables();
+  Configuration of_exact_disks = configuration;
+  of_exact_disks.box.edge = Edge::periodic;
+  of_exact_disks.engine.kind = "exact";
+  of_exact_disks.run.steps = 50;
+  of_exact_disks.observe = {.every = 1, .equilibration = 0.0, .structure_every = 0, .viscosity_lag = 1, .free_flights = true};
   std::vector<ColumnElsewhere> columns;
-  for (Distribution const& distribution : simulate(set_up(configuration)).distributions) {
+  auto const add = [&](Distribution const& distribution) {
     for (ColumnInfo const& column : distribution.columns)
       columns.push_back({column, fmt::format("column of {}.csv", distribution.name)});
+  };
+  for (Distribution const& distribution : simulate(set_up(configuration)).distributions) add(distribution);
+  for (Distribution const& distribution : simulate(set_up(of_exact_disks)).distributions) {
+    bool const is_new = distribution.name == "stress_growth" || distribution.name.starts_with("free_");
+    if (is_new) add(distribution);
   }
   return columns;
 }

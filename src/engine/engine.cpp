@@ -66,6 +66,12 @@ EngineRecord const& engine_record(std::string_view kind) {
                .key = "engine.kind"});
 }
 
+void refuse_to_report_collisions() {
+  throw Error({.what = "an observable needs every collision one by one, and this engine does not report them",
+               .hint = "use engine.kind = \"exact\"",
+               .key = "engine.kind"});
+}
+
 namespace {
 
 void require_propulsion(EngineRecord const& engine, EngineSettings const& settings) {

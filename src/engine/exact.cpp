@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -189,6 +190,16 @@ void ExactEngine::start_from(State& state) {
   start_time_ = state.clock.time;
   next_step_time_ = state.clock.time + duration_;
   expect_kick();
+  ask_for_reports();
+}
+
+void ExactEngine::report_collisions(ReportCollision report) {
+  report_ = std::move(report);
+  if (dynamics_ != nullptr) ask_for_reports();
+}
+
+void ExactEngine::ask_for_reports() {
+  if (report_) dynamics_->report_collisions(report_, start_time_);
 }
 
 void ExactEngine::make_dynamics(State const& state) {
@@ -330,6 +341,7 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
     serialize_inside(archive, "thermostat", [&] { thermostat_->serialize(archive, state); });
     if (archive.is_restoring()) expect_kick();
   }
+  ask_for_reports();
   left_.remember(state);
 }
 

@@ -49,6 +49,7 @@ class ExactEngine final : public Engine {
   [[nodiscard]] std::vector<Count> audits() const override;
   void serialize(Archive& archive, State const& state) override;
   void give_frame(FrameSource const& of_world, UseFrame const& use) const override;
+  void report_collisions(ReportCollision report) override;
 
   /// The number of audits since the start of the run; an audit that finds a fault ends the run.
   [[nodiscard]] std::uint64_t made_audits() const;
@@ -65,6 +66,7 @@ class ExactEngine final : public Engine {
   bool pass_steps_until(double time, Clock& clock);
   [[nodiscard]] double next_kick_time() const;
   void expect_kick();
+  void ask_for_reports();
   /// Writes the state at the last event handled; the clock is set no later than `latest`.
   void leave_at_last_event(State& state, double latest);
 
@@ -78,6 +80,7 @@ class ExactEngine final : public Engine {
   std::vector<WallSettings> walls_;
   PropulsionSettings propulsion_;
   std::uint64_t earlier_contacts_ = 0;         // elastic contacts of dynamics that have been replaced
+  ReportCollision report_;                     // empty where nobody asks for collisions
   std::unique_ptr<ThreadPool> threads_;        // nullptr while there are too few disks for threads
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
   std::optional<exact::Thermostat> thermostat_;

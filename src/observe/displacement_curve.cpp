@@ -23,9 +23,6 @@ std::uint64_t samples_between_origins(std::uint64_t max_lag, std::uint64_t origi
   return origin_every > 0 ? origin_every : (max_lag + 7) / 8;
 }
 
-/// Returns the first lag of the slope: a third of the longest.
-std::uint64_t early_lag_of(std::uint64_t max_lag) { return std::max<std::uint64_t>(1, (max_lag + 1) / 3); }
-
 /// Returns the mean squared displacement from these sites, of mobile agents; nothing if none is left.
 std::optional<double> mean_squared_displacement_from(Snapshot const& now, Attached<Site> const& from) {
   Sites const sites(now.box, now.agents);
@@ -40,14 +37,6 @@ std::optional<double> mean_squared_displacement_from(Snapshot const& now, Attach
 }
 
 }  // namespace
-
-std::vector<std::uint64_t> lags_of_curve(std::uint64_t max_lag) {
-  std::vector<std::uint64_t> lags{early_lag_of(max_lag), max_lag};
-  for (std::uint64_t lag = 1; lag < max_lag; lag = lag < 16 ? lag + 1 : lag + lag / 10) lags.push_back(lag);
-  std::ranges::sort(lags);
-  lags.erase(std::unique(lags.begin(), lags.end()), lags.end());
-  return lags;
-}
 
 std::uint64_t DisplacementCurve::origins_in_use(std::uint64_t max_lag, std::uint64_t origin_every) {
   return max_lag == 0 ? 0 : (max_lag - 1) / samples_between_origins(max_lag, origin_every) + 1;
@@ -133,26 +122,6 @@ void DisplacementCurve::take_lag(Snapshot const& now, Origin& origin, std::span<
   coefficient_.add(row[0], origins_of_group_);
 }
 
-void DisplacementCurve::MeanOverOrigins::add(double value, std::uint64_t origins_of_group) {
-  pending.add({.sum = value, .weight = 1.0});
-  if (pending.weight < static_cast<double>(origins_of_group)) return;
-  groups.add(pending.sum / pending.weight, pending.weight);
-  pending = {};
-}
-
-std::optional<Estimate> DisplacementCurve::MeanOverOrigins::estimate() const {
-  BlockAverage all = groups;
-  if (pending.weight > 0.0) all.add(pending.sum / pending.weight, pending.weight);
-  std::optional<Estimate> estimate = all.estimate();
-  // A group that is not complete is no second one to compare the first with.
-  if (estimate && groups.samples() < 2) estimate->error.reset();
-  return estimate;
-}
-
-double DisplacementCurve::MeanOverOrigins::origins(std::uint64_t origins_of_group) const {
-  return static_cast<double>(groups.samples() * origins_of_group) + pending.weight;
-}
-
 std::vector<NamedEstimate> DisplacementCurve::results() const {
   auto const estimate = coefficient_.estimate();
   if (!estimate) return {};
@@ -197,18 +166,10 @@ void DisplacementCurve::serialize(Archive& archive) {
       origin.sites.serialize_member(archive, ImageY::name, &Site::image_y);
     });
   }
-  std::size_t const lags = lags_.size();
   archive.visit("times", times_);
-  archive.require(times_.size() == lags, "the lags differ in number");
-  std::vector<BlockAverage> groups;
-  std::vector<Block> pending;
-  for (MeanOverOrigins const& mean : curve_) groups.push_back(mean.groups), pending.push_back(mean.pending);
-  groups.push_back(coefficient_.groups);
-  pending.push_back(coefficient_.pending);
-  gridlock::serialize(archive, "groups", groups);
-  gridlock::serialize(archive, "pending", pending);
-  for (std::size_t k = 0; k < lags; ++k) curve_[k] = {.groups = groups[k], .pending = pending[k]};
-  coefficient_ = {.groups = groups[lags], .pending = pending[lags]};
+  archive.require(times_.size() == lags_.size(), "the lags differ in number");
+  gridlock::serialize(archive, "curve", curve_);
+  gridlock::serialize(archive, "coefficient", std::span(&coefficient_, 1));
 }
 
 }  // namespace gridlock

@@ -2,19 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
-#include "gridlock/observe/estimate.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "observe/mean_over_origins.hpp"
 #include "observe/sites.hpp"
 
 namespace gridlock {
-
-/// Returns the lags of a curve, in samples: each up to 16, then each a tenth larger than the one before, up to max_lag.
-/// One third of max_lag is among them, rounded, and at least 1.
-std::vector<std::uint64_t> lags_of_curve(std::uint64_t max_lag);
 
 /// The mean squared displacement against the lag, averaged over many origins, and the diffusion coefficient from its
 /// slope.
@@ -56,15 +51,6 @@ class DisplacementCurve final : public Observable {
   void serialize(Archive& archive) override;
 
  private:
-  /// A mean over origins, with an error from groups of neighbouring origins.
-  struct MeanOverOrigins {
-    BlockAverage groups;
-    Block pending;  ///< the group that is not complete
-
-    void add(double value, std::uint64_t origins_of_group);
-    [[nodiscard]] std::optional<Estimate> estimate() const;
-    [[nodiscard]] double origins(std::uint64_t origins_of_group) const;
-  };
   struct Origin {
     Attached<Site> sites;
     bool is_used = false;

@@ -18,6 +18,7 @@
 #include "observe/displacement.hpp"
 #include "observe/displacement_curve.hpp"
 #include "observe/energy.hpp"
+#include "observe/free_flights.hpp"
 #include "observe/line_flux.hpp"
 #include "observe/local_density.hpp"
 #include "observe/pair_correlation.hpp"
@@ -28,6 +29,7 @@
 #include "observe/swim.hpp"
 #include "observe/temperature_by_kind.hpp"
 #include "observe/velocity_autocorrelation.hpp"
+#include "observe/viscosity.hpp"
 
 namespace gridlock {
 
@@ -132,6 +134,15 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
        .documentation = "Whether the temperature along x and along y is measured, and that of each kind of disk "
                         "where there are two to eight."},
       settings.temperature_by_kind);
+  visitor.visit({.key = "viscosity_lag",
+                 .unit = "samples",
+                 .documentation = "Longest lag of the growth of the integrated stress of exact, whose last two thirds "
+                                  "give shear and bulk viscosity; 0 for none.",
+                 .max = 1e6},
+                settings.viscosity_lag);
+  visitor.visit({.key = "free_flights",
+                 .documentation = "Whether the paths and times of exact disks between their collisions are measured."},
+                settings.free_flights);
   static constexpr std::array<std::string_view, 3> lines{"none", "vertical", "horizontal"};
   visit_enum(
       visitor,
@@ -180,6 +191,8 @@ std::vector<RequestedObservable> requested_observables(ObserveSettings const& se
         std::make_unique<DisplacementCurve>(settings.displacement_lag, settings.displacement_origin_every));
   }
   if (settings.temperature_by_kind) add("temperature_by_kind", std::make_unique<TemperatureByKind>());
+  if (settings.viscosity_lag > 0) add("viscosity_lag", std::make_unique<Viscosity>(settings.viscosity_lag));
+  if (settings.free_flights) add("free_flights", std::make_unique<FreeFlights>());
   if (settings.flux_line != FluxLine::none) {
     add("flux_line", std::make_unique<LineFlux>(settings.flux_line, settings.flux_position));
   }
@@ -250,9 +263,10 @@ ObserveSettings settings_of_all_observables() {
 }
 
 std::span<std::string_view const> names_of_curves() {
-  static constexpr std::array<std::string_view, 8> names{
-      "pair_correlation", "speed_distribution", "velocity_autocorrelation", "density_profile_x", "density_profile_y",
-      "cluster_sizes",    "local_density",      "mean_squared_displacement"};
+  static constexpr std::array<std::string_view, 11> names{
+      "pair_correlation",       "speed_distribution", "velocity_autocorrelation", "density_profile_x",
+      "density_profile_y",      "cluster_sizes",      "local_density",            "mean_squared_displacement",
+      "stress_growth",          "free_time_distribution", "free_path_distribution"};
   return names;
 }
 
@@ -271,6 +285,14 @@ std::vector<ColumnInfo> observed_columns(ObserveSettings const& settings) {
   DefectFractions of_periodic_boxes(1);
   of_periodic_boxes.begin({periodic, counters});
   std::ranges::move(of_periodic_boxes.columns(), std::back_inserter(columns));
+  Viscosity of_exact_disks(1);
+  of_exact_disks.begin({periodic, counters});
+  std::ranges::copy_if(of_exact_disks.columns(), std::back_inserter(columns), [&](ColumnInfo const& column) {
+    return std::ranges::find(columns, column.name, &ColumnInfo::name) == columns.end();
+  });
+  FreeFlights flights;
+  flights.begin({periodic, counters});
+  std::ranges::move(flights.columns(), std::back_inserter(columns));
   return columns;
 }
 

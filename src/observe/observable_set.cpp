@@ -29,6 +29,10 @@ void ObservableSet::sample(Snapshot const& now, std::span<double> row, bool coun
   }
 }
 
+void ObservableSet::collided(PairCollision const& collision) {
+  for (Entry const& entry : entries_) entry.observable->collided(collision);
+}
+
 std::vector<NamedEstimate> ObservableSet::results() const {
   std::vector<NamedEstimate> results;
   for (Entry const& entry : entries_) std::ranges::move(entry.observable->results(), std::back_inserter(results));

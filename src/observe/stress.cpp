@@ -1,22 +1,28 @@
 #include "observe/stress.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 
 #include "gridlock/observe/pairs.hpp"
 #include "observe/motion.hpp"
 
 namespace gridlock {
 
+std::vector<ColumnInfo> stress_columns() {
+  return {{"stress_xx", "mass / time²", "Stress along x, tension positive; of hard disks the mean between samples."},
+          {"stress_xy", "mass / time²", "Shear stress; of hard disks the mean since the sample before."},
+          {"stress_yy", "mass / time²", "Stress along y, tension positive; of hard disks the mean between samples."}};
+}
+
 Stress::Stress(DynamicsTraits const& dynamics) : dynamics_(dynamics), law_(*dynamics.potential) {}
 
 void Stress::begin(Snapshot const& /*start*/) {
   std::vector<ColumnInfo> columns{
       {"potential_energy", "mass · length² / time²", "Total energy of all pairs of soft disks."},
-      {"pressure", "mass / time²", "Pressure of soft disks: kinetic part and virial of all pairs."},
-      {"stress_xx", "mass / time²", "Stress of soft disks along x; tension is positive."},
-      {"stress_xy", "mass / time²", "Shear stress of soft disks."},
-      {"stress_yy", "mass / time²", "Stress of soft disks along y; tension is positive."}};
+      {"pressure", "mass / time²", "Pressure of soft disks: kinetic part and virial of all pairs."}};
+  std::ranges::move(stress_columns(), std::back_inserter(columns));
   if (has_inertia()) {
     columns.push_back({"total_energy", "mass · length² / time²", "Kinetic energy and potential energy of soft disks."});
   }

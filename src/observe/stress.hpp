@@ -1,9 +1,14 @@
 #pragma once
 
+#include <vector>
+
 #include "core/pair_law.hpp"
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
+
+/// Returns the columns stress_xx, stress_xy and stress_yy.
+std::vector<ColumnInfo> stress_columns();
 
 /// The energy and the stress of soft disks, from their places and velocities at a sample.
 ///

@@ -168,6 +168,7 @@ class RestingEngine final : public Engine {
   void advance(State& /*state*/, Counters& /*counters*/, StopCondition const& /*stop_condition*/) override {}
   [[nodiscard]] double time_step() const override { return duration_; }
   void require_valid(State const& /*state*/) const override {}
+  void report_collisions(ReportCollision /*report*/) override {}
 
  private:
   double duration_;
@@ -286,6 +287,7 @@ class DisksKind final : public ModelKind {
     require_known(engine_record(configuration.engine.kind), configuration.engine);
     require_counted_collisions(configuration.engine, configuration.run);
     require_places_along_x(configuration);
+    require_free_flight(configuration.engine, configuration.observe);
     require_valid(configuration.protocol);
     require_known_tilt(configuration);
     if (!configuration.protocol.empty() && !configuration.engine.walls.empty()) {

@@ -161,6 +161,28 @@ void require_counted_collisions(EngineSettings const& settings, RunSettings cons
        .key = "run.collisions_per_disk"});
 }
 
+void require_free_flight(EngineSettings const& settings, ObserveSettings const& observe) {
+  if (observe.viscosity_lag == 0 && !observe.free_flights) return;
+  bool const is_viscosity = observe.viscosity_lag > 0;
+  auto const refuse = [&](std::string const& by, char const* hint) {
+    throw Error({.what = fmt::format("{} is measured between collisions in free flight, and {}",
+                                     is_viscosity ? "observe.viscosity_lag" : "observe.free_flights", by),
+                 .hint = hint,
+                 .key = is_viscosity ? "observe.viscosity_lag" : "observe.free_flights"});
+  };
+  if (!engine_record(settings.kind).has_free_flight) {
+    refuse(fmt::format("the engine \"{}\" has no free flight", settings.kind),
+           "use engine.kind = \"exact\"; the stress of \"soft\" is in its series, for gridlock.shear_viscosity()");
+  }
+  if (settings.thermostat.kind != ThermostatKind::none) refuse("a thermostat kicks the disks", "take [thermostat] out");
+  if (settings.gravity.exists()) refuse("gravity accelerates the disks", "take [gravity] out");
+  if (!settings.walls.empty()) refuse("disks hit walls inside the box", "take [[walls]] out");
+  if (settings.collisions.lose_energy() && is_viscosity) {
+    refuse("collisions that lose energy leave no equilibrium, whose fluctuations it needs",
+           "use collisions.restitution = 1");
+  }
+}
+
 void require_places_along_x(Configuration const& configuration) {
   ObserveSettings const& observe = configuration.observe;
   bool const flows = configuration.engine.flow.exists();

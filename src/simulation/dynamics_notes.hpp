@@ -40,6 +40,9 @@ std::string unused_of_potential(PairPotential kind, std::string_view key);
 /// Errors: Error for the length of a run in collisions, which soft disks do not have.
 void require_counted_collisions(EngineSettings const& settings, RunSettings const& run);
 
+/// Errors: Error for the viscosity, or for free flights, of disks that do not fly freely between collisions one by one.
+void require_free_flight(EngineSettings const& settings, ObserveSettings const& observe);
+
 /// Errors: Error for observables along x in a flow or an oblique box, where the images above are shifted.
 void require_places_along_x(Configuration const& configuration);
 

@@ -36,6 +36,7 @@ class PatientEngine final : public EngineFor<HardDisks> {
   [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
   void take_restored(State& state) override { engine_->take_restored(state); }
   void serialize(Archive& archive, State const& state) override { engine_->serialize(archive, state); }
+  void report_collisions(ReportCollision report) override { engine_->report_collisions(std::move(report)); }
   void give_frame(FrameSource const& of_world, UseFrame const& use) const override {
     engine_->give_frame(of_world, use);
   }

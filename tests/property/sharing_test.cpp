@@ -234,6 +234,33 @@ TEST(Sharing, StopsAtTheSameStepAndTimeWithAnyNumberOfThreads) {
   expect_same_stop({.step = one.clock.step + 100}, "after a word to stop");
 }
 
+// Reports are those of one thread: whoever asks for them ends the sharing.
+TEST(Sharing, EndsWhereCollisionsAreReportedAndEachIsReportedOnce) {
+  SharingCase const fluid{"fluid", 0.70, 20, 160};
+  Flown one(fluid, 1);
+  Flown many(fluid, 2);
+  EXPECT_TRUE(one.dynamics.run(1.0, all, 0, one.counters));
+  EXPECT_TRUE(many.dynamics.run(1.0, all, 0, many.counters));
+  EXPECT_GT(many.dynamics.window(), 0.0);
+  std::uint64_t reported = many.counters.pair_collisions;
+  double virial = many.counters.pair_virial;
+  double last = 7.0;
+  ReportCollision const report = [&](PairCollision const& collision) {
+    ++reported;
+    virial += dot(collision.impulse, collision.separation);
+    EXPECT_GE(collision.time, last);
+    last = collision.time;
+  };
+  many.dynamics.report_collisions(report, 7.0);
+  EXPECT_TRUE(one.dynamics.run(2.0, all, 0, one.counters));
+  EXPECT_TRUE(many.dynamics.run(2.0, all, 0, many.counters));
+  expect_same(one, many, 2.0);
+  EXPECT_EQ(many.dynamics.window(), 0.0);
+  EXPECT_EQ(reported, many.counters.pair_collisions);
+  EXPECT_NEAR(virial, many.counters.pair_virial, 1e-10 * virial);
+  EXPECT_NEAR(last, 9.0, 0.01);
+}
+
 // Many disks of a lattice with few speeds collide at the very same time: whose virial is added first is left to one
 // thread.
 TEST(Sharing, LeavesCollisionsAtTheSameTimeToOneThread) {

@@ -30,6 +30,7 @@
 #include "gridlock/core/frame_source.hpp"
 #include "gridlock/core/pair_potential.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/core/vector.hpp"
 #include "gridlock/engine/flow.hpp"
 #include "gridlock/engine/grains.hpp"
 #include "gridlock/engine/pair_drag.hpp"
@@ -62,6 +63,22 @@ struct Count {
   std::string name;
   std::uint64_t value = 0;
 };
+
+/// A collision of two disks, as the engine `exact` reports it.
+struct PairCollision {
+  double time;        ///< on the clock of the run
+  std::uint32_t i;    ///< index of a disk among those that move, in the order of the Ids
+  std::uint32_t j;    ///< index of its partner
+  Vector separation;  ///< from i to j, to the nearest image
+  Vector velocity_i;  ///< before the collision
+  Vector velocity_j;
+  double mass_i;
+  double mass_j;
+  Vector impulse;  ///< momentum that i gives to j
+};
+using ReportCollision = std::function<void(PairCollision const&)>;
+/// Throws Error for an engine that does not report collisions.
+[[noreturn]] void refuse_to_report_collisions();
 
 /// An engine advances the world of a model. A virtual call advances many steps, so that its cost does not matter.
 template <class Model>
@@ -97,6 +114,10 @@ class EngineFor {
   /// Serializes the data that the engine keeps between two calls of advance(), after the world. Restored into an engine
   /// made for the same start, the run continues with the same bits. Most engines keep no data.
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
+
+  /// From now on advance() calls report() at each collision of two disks, in the order of time. It must not throw. Several
+  /// threads then do not share the work. Errors: Error if the engine knows no collisions one by one.
+  virtual void report_collisions(ReportCollision /*report*/) { refuse_to_report_collisions(); }
 
   /// Calls use() with a frame of the world and the columns that the engine alone knows, such as headings.
   virtual void give_frame(FrameSource const& of_world, UseFrame const& use) const { use(of_world); }

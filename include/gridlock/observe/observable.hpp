@@ -39,6 +39,7 @@ namespace gridlock {
 struct Requirements {
   std::vector<std::string_view> columns;
   bool collisions = false;  ///< whether it needs Counters: pair collisions, wall hits, impulses
+  bool reports = false;     ///< whether it needs every pair collision, see Observable::collided()
 };
 
 /// One column of a table.
@@ -95,6 +96,9 @@ class Observable {
   /// interval that ends with it enter averages. Contract: row.size() == columns().size().
   virtual void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) = 0;
 
+  /// Called at every pair collision between samples, in the order of time, if requirements() ask for reports.
+  virtual void collided(PairCollision const& /*collision*/) {}
+
   /// Returns averages, and the final values of quantities that grow with time. Quantities that are not defined (a rate
   /// over no time, a pressure of no disks) are left out, so that all numbers are finite.
   [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
@@ -136,6 +140,8 @@ struct ObserveSettings {
   std::uint64_t displacement_lag = 0;     ///< longest lag of the mean squared displacement, in samples; 0 for no curve
   std::uint64_t displacement_origin_every = 0;  ///< samples between its origins; 0 for an eighth of the longest lag
   bool temperature_by_kind = false;             ///< whether to measure kT along x and y, and of each kind of disk
+  std::uint64_t viscosity_lag = 0;              ///< longest lag of the growth of stresses, in samples; 0 for none
+  bool free_flights = false;                    ///< whether to measure paths and times between pair collisions
   FluxLine flux_line = FluxLine::none;
   std::optional<double> flux_position;  ///< by default in the middle of the box
 };
@@ -158,7 +164,7 @@ struct DynamicsTraits {
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; Stress of soft disks; BondOrientation and
 /// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DefectFractions,
-/// DisplacementCurve, TemperatureByKind and LineFlux where settings ask for them (Error for agents that lack a column).
+/// DisplacementCurve, TemperatureByKind, LineFlux, Viscosity and FreeFlights where settings ask for them (Error for agents that lack a column).
 /// Quantities of walls exist only between walls. Cost of a sample: a few passes over the agents, about 20 ns an agent;
 /// ψ6 and g(r) about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,

@@ -36,12 +36,12 @@ class WorldSimulation : public Simulation {
 
   /// Adds the observables of the settings whose required columns this world has.
   void observe(ObserveSettings const& settings, DynamicsTraits const& dynamics) {
-    for (auto& observable : make_observables(settings, snapshot(), dynamics)) observables_.add(std::move(observable));
+    for (auto& observable : make_observables(settings, snapshot(), dynamics)) add(std::move(observable));
   }
   void observe(std::unique_ptr<Observable> observable) override {
     require_columns(*observable, snapshot());
     observable->begin(snapshot());
-    observables_.add(std::move(observable));
+    add(std::move(observable));
   }
 
   [[nodiscard]] Box const& box() const override { return world_.box; }
@@ -97,6 +97,12 @@ class WorldSimulation : public Simulation {
   }
 
  private:
+  void add(std::unique_ptr<Observable> observable) {
+    if (observable->requirements(world_.box).reports) {
+      engine_->report_collisions([this](PairCollision const& collision) { observables_.collided(collision); });
+    }
+    observables_.add(std::move(observable));
+  }
   [[nodiscard]] Snapshot snapshot() const { return {world_, counters_, processes_, agents_, attached_}; }
   /// Updates the count of agents and the attached columns after births, deaths and moves to other processes.
   void find_agents_again() {

@@ -103,7 +103,8 @@ def _unit_of_distance(run: Any, unit: float | None) -> tuple[float, str]:
 def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None = None, label: str = "") -> Axes:
     """A measured curve with its errors: "pair_correlation", "speed_distribution", "velocity_autocorrelation", "density_profile_x",
     "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes" (clusters of one size, the mean over each range),
-    "orientation_correlation" (g₆(r) of the table of g(r), beside r^(−1/4), below which no hexatic falls).
+    "orientation_correlation" (g₆(r) of the table of g(r), beside r^(−1/4), below which no hexatic falls), "stress_growth" (shear and
+    bulk growth over the lag, which become the viscosities), "free_time_distribution", "free_path_distribution".
 
     :param unit: the length that distances of g(r) are given in; the mean diameter where left out, of agents that have one.
     """
@@ -135,6 +136,15 @@ def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None =
         sizes = table["largest_size"] - table[x] + 1
         line(axes, table[x], table[y] / sizes, error / sizes, label=label)
         axes.set(xscale="log", yscale="log", xlabel="disks in a cluster", ylabel="clusters of one size")
+    elif name == "stress_growth":
+        for part in ("shear", "bulk"):
+            line(axes, table[x], table[f"{part}_growth"] / table[x], table[f"{part}_error"] / table[x], label=f"{label} {part}".strip())
+        axes.set(xscale="log", yscale="log", ylabel="growth over lag / (mass / time)")
+        axes.legend()
+    elif name.startswith("free_"):
+        found = table[table["flights"] > 0]
+        line(axes, found[x], found[y], found["error"], label=label)
+        axes.set(xscale="log", yscale="log", ylabel=f"probability density of the {x.replace('_', ' ')}")
     else:
         line(axes, table[x], table[y], error, label=label)
     if name.startswith("density_profile"):

@@ -169,7 +169,8 @@ def _draw_curves(artist: _Artist, run: RunDirectory, last: Frame) -> None:
             artist.chart("orientation_correlation", partial(_draw_curve, run, "orientation_correlation"))
     if _has(run.path, "speed_distribution.csv"):
         artist.chart("speed_distribution", lambda axes: curve(run, "speed_distribution", axes=axes))
-    for name in ("density_profile_x", "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes"):
+    for name in ("density_profile_x", "density_profile_y", "mean_squared_displacement", "local_density", "cluster_sizes",
+                 "stress_growth", "free_time_distribution", "free_path_distribution"):
         if _has(run.path, f"{name}.csv"):
             artist.chart(name, partial(_draw_curve, run, name))
 

@@ -63,6 +63,8 @@ _LABELS = {
     "step": "time steps",
     "lag": "lag t / (length / speed)",
     "distance": "distance r",
+    "free_time": "free time τ / (length / speed)",
+    "free_path": "free path / length",
     "pair_correlation": "pair correlation g(r)",
     "orientation_correlation": "hexatic correlation g₆(r)",
     "speed": "speed v / (length / time)",

@@ -314,6 +314,11 @@ void Dynamics::move_zero_of_time(double zero) {
   pipeline_.clear();
 }
 
+void Dynamics::report_collisions(ReportCollision const& report, double start) {
+  if (strips_ != nullptr) end_sharing();
+  reporting_ = {.report = &report, .start = start};
+}
+
 /// Adds the motion by gravity to the positions and velocities at the start of the epoch.
 void Dynamics::let_fall(double time) {
   Vector const fallen = fall(gravity_, time);

@@ -122,7 +122,10 @@ class Dynamics final : public Flight {
   void expect_kick(double elapsed) { next_kick_ = elapsed; }
 
   /// The time of the last event handled, counted from the state that the dynamics was made of.
-  [[nodiscard]] double last_event() const { return epoch_start_ + (epoch_start_rest_ + now_); }
+  [[nodiscard]] double last_event() const { return elapsed_at_last_event(); }
+  /// Calls report() at each pair collision from now on, while one thread does all the work; `start` is the time at
+  /// which the dynamics was made. Contract: `report` outlives the dynamics.
+  void report_collisions(ReportCollision const& report, double start);
 
   /// Returns whether a collision can ever come: there are at least two disks, and one moves.
   [[nodiscard]] bool can_collide() const {
@@ -223,8 +226,6 @@ class Dynamics final : public Flight {
       row_of_;  // row in the state, by id index; empty where the rows are in the order of the Ids
 
   double diameters_in_epoch_ = 0.0;  // largest number of diameters that a disk crosses in an epoch
-  double epoch_start_ = 0.0;
-  double epoch_start_rest_ = 0.0;  // rounding error of epoch_start_, added separately
   std::uint64_t epoch_ = 0;
   std::uint64_t hits_before_epoch_ = 0;
   std::uint64_t audits_ = 0;

@@ -308,6 +308,18 @@ void Flight::move_sideways(Index i, double shift) {
   image_[i].x += across;
 }
 
+void Flight::report_collision(Index i, Index j, Vector separation, double impulse_per_length) const {
+  (*reporting_.report)({.time = reporting_.start + elapsed_at_last_event(),
+                        .i = disks_[i].id_index,
+                        .j = disks_[j].id_index,
+                        .separation = separation,
+                        .velocity_i = velocity_at(disks_[i], gravity_, now_),
+                        .velocity_j = velocity_at(disks_[j], gravity_, now_),
+                        .mass_i = mass_of(i),
+                        .mass_j = mass_of(j),
+                        .impulse = impulse_per_length * separation});
+}
+
 std::vector<Index> Flight::disks_by_id_index() const {
   std::vector<Index> disks(size_);
   for (Index i = 0; i < size_; ++i) disks[disks_[i].id_index] = i;

@@ -18,6 +18,7 @@
 #include "engine/obstacles.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/engine/engine.hpp"
 
 namespace gridlock::exact {
 
@@ -114,6 +115,8 @@ class Flight {
   [[nodiscard]] bool changes_energy() const { return losses_.exist || falls(); }
   [[nodiscard]] bool has_lists() const { return !lists_.places.empty(); }
 
+  [[nodiscard]] double elapsed_at_last_event() const { return epoch_start_ + (epoch_start_rest_ + now_); }
+
   void choose_fetching();
 
   // Functions in impacts.cpp:
@@ -180,6 +183,8 @@ class Flight {
   std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
   double now_ = 0.0;           // time of the last event in this epoch
+  double epoch_start_ = 0.0;   // counted from the state that the dynamics was made of
+  double epoch_start_rest_ = 0.0;  // rounding error of epoch_start_, added separately
   double epoch_length_ = 0.0;  // 0 when no disk moves
   double longest_epoch_ = 0.0;
   std::uint64_t expected_events_ = 0;
@@ -219,6 +224,12 @@ class Flight {
   std::uint64_t elastic_contacts_ = 0;    // collisions that lost nothing because of contact_time
   Obstacles const* obstacles_ = nullptr;  // nullptr where there are none
 
+  struct Reporting {
+    ReportCollision const* report = nullptr;  // nullptr where nobody asks for collisions
+    double start = 0.0;                       // clock of the state that the dynamics was made of
+  };
+  Reporting reporting_;
+
  private:
   void fetch_for_events_to_come() {
     if (fetching_ == Fetching::far) fetch_far();
@@ -228,6 +239,7 @@ class Flight {
   void fetch_near();
   template <class Observer>
   void collide(Index i, Index j, Observer& observer);
+  void report_collision(Index i, Index j, Vector separation, double impulse_per_length) const;
   template <class Observer>
   void reach_border(Index i, BorderEvent const& event, Observer& observer);
   template <class Observer>
@@ -297,6 +309,8 @@ void Flight::collide(Index i, Index j, Observer& observer) {
   double const along = bounce * approach / ((mass_a + mass_b) * squared_distance);
   double const along_a = mass_b * along;
   double const along_b = mass_a * along;
+  if (reporting_.report != nullptr) [[unlikely]]
+    report_collision(i, j, {d_x, d_y}, -(mass_a * mass_b) * along);
   change_velocity(a, along_a * d_x, along_a * d_y, now_);
   change_velocity(b, -along_b * d_x, -along_b * d_y, now_);
   double const virial = -(mass_a * mass_b) * along * squared_distance;

@@ -19,8 +19,8 @@ constexpr std::uint64_t max_hits_in_shared_epoch = 512;
 }  // namespace
 
 bool Dynamics::share_epoch(double hits_per_time, bool is_sort_due) {
-  // Strips note heights at events, and the top of a fall is none; times of contacts stay with the whole.
-  if (is_growing() || falls() || !last_contact_.empty()) return false;
+  // Strips note heights at events, and the top of a fall is none; times of contacts and reports stay with the whole.
+  if (is_growing() || falls() || !last_contact_.empty() || reporting_.report != nullptr) return false;
   if (sharing_.threads == nullptr || sharing_.threads->size() < 2) return false;
   hits_per_time_ = hits_per_time;
   sharing_.caution = std::min(sharing_.caution, max_caution);

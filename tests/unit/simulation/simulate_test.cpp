@@ -64,6 +64,41 @@ TEST(SetUp, RefusesAStartWhoseClockCannotCountOnWithTheNumbers) {
   }
 }
 
+TEST(SetUp, RefusesAViscosityAndFreeFlightsWhereCollisionsAreNotAllThatHappens) {
+  Configuration plain = small();
+  plain.box.edge = Edge::periodic;
+  plain.engine.kind = "exact";
+  plain.observe.viscosity_lag = 5;
+  plain.observe.free_flights = true;
+  EXPECT_NO_THROW(set_up(plain));
+  auto const refusal = [&](auto change) -> std::string {
+    Configuration configuration = plain;
+    change(configuration);
+    try {
+      static_cast<void>(set_up(configuration));
+    } catch (Error const& error) {
+      return error.what();
+    }
+    return "";
+  };
+  auto const expect = [](std::string const& text, std::string const& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  expect(refusal([](Configuration& c) { c.engine.kind = "tiled"; }), "the engine \"tiled\" has no free flight");
+  expect(refusal([](Configuration& c) {
+           c.engine.thermostat = {.kind = ThermostatKind::andersen, .temperature = 1.0, .rate = 1.0};
+         }),
+         "a thermostat kicks the disks");
+  expect(refusal([](Configuration& c) { c.engine.collisions.restitution = 0.9; }), "leave no equilibrium");
+  expect(refusal([](Configuration& c) { c.box.edge = Edge::wall; }), "needs a box that is periodic in x and y");
+  EXPECT_EQ(refusal([](Configuration& c) {
+              c.observe.viscosity_lag = 0;
+              c.engine.collisions.restitution = 0.9;
+              c.box.edge = Edge::wall;
+            }),
+            "");
+}
+
 TEST(Simulate, SamplesTheStartEveryIntervalAndTheEnd) {
   RunResult const result = simulate(set_up(small()));
   std::vector<std::uint64_t> expected{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 95};

@@ -18,6 +18,8 @@ class ObservableSet {
   [[nodiscard]] std::vector<ColumnInfo> columns() const;
   /// Contract: row.size() == columns().size().
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average);
+  /// Tells those observables that ask for reports.
+  void collided(PairCollision const& collision);
   [[nodiscard]] std::vector<NamedEstimate> results() const;
   [[nodiscard]] std::vector<Distribution> distributions() const;
   void serialize(Archive& archive);
