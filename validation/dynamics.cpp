@@ -1,5 +1,5 @@
-// Brownian disks, swimmers, cooling grains, falling disks, channels and cages in the engine `exact`, and soft disks that
-// are sheared, that flow and that move, from runs that are too long for the tests.
+// Brownian disks, swimmers, cooling grains, falling disks, channels, cages and viscosities in the engine `exact`, and
+// soft disks that are sheared, that flow and that move, from runs that are too long for the tests.
 //
 //     gridlock_validate_dynamics [SECTION] …      all if none is named
 //
@@ -24,10 +24,10 @@ int main(int argument_count, char** arguments) {
     std::string_view name;
     void (*print)();
   };
-  constexpr std::array sections{Section{"diffusion", diffusion}, Section{"swimmers", swimmers},
-                                Section{"cooling", cooling},     Section{"falling", falling},
-                                Section{"channels", channels},   Section{"shear", shear},
-                                Section{"flow", flow},           Section{"soft", soft}};
+  constexpr std::array sections{
+      Section{"diffusion", diffusion}, Section{"swimmers", swimmers}, Section{"cooling", cooling},
+      Section{"falling", falling},     Section{"channels", channels}, Section{"shear", shear},
+      Section{"flow", flow},           Section{"soft", soft},         Section{"viscosity", viscosity}};
   std::vector<std::string_view> const names(arguments + 1, arguments + argument_count);
   for (std::string_view const name : names) {
     if (std::ranges::find(sections, name, &Section::name) == sections.end()) {

@@ -220,7 +220,8 @@ def shear_viscosity(
     over all time origins; the integral is that of straight lines between the samples.
 
     :param times: shape (n,), those of the samples: dense enough for the stress to change little from one to the next.
-    :param stress: shape (n,), or (k, n) for k stresses; ``run.series["stress_xy"]`` of the engine ``soft``, in equilibrium and without flow.
+    :param stress: shape (n,), or (k, n) for k stresses; ``run.series["stress_xy"]`` of the engine ``soft``, in equilibrium and without
+        flow, or that of ``exact`` with ``observe.viscosity_lag``, which gives the mean since the sample before.
     :param area: that of the box.
     :param temperature: kT.
     :param start, end: the lags between which ⟨ΔG²⟩ is fitted by a straight line: ``start`` beyond the time for which stresses remember

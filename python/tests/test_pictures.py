@@ -175,6 +175,21 @@ def test_the_mean_displacement_has_logarithmic_axes_and_its_error(tmp_path, draw
     assert axes.get_xlabel() == "time t / (length / speed)"
 
 
+def test_growth_of_stresses_and_free_flights_are_drawn_as_they_were_measured(tmp_path, drawn):
+    gridlock.run(
+        {"box": {"edge": "periodic"}, "disks": {"count": 60, "packing_fraction": 0.3}, "engine": {"kind": "exact"}, "run": {"steps": 1200},
+         "observe": {"every": 2, "structure_every": 0, "viscosity_lag": 6, "free_flights": True}},
+        tmp_path / "out")
+    run = gridlock.open(tmp_path / "out")
+    axes = drawn(run.path)
+    growth = run.table("stress_growth")
+    for line, part in zip(axes["stress_growth"].lines, ("shear", "bulk")):
+        assert np.array_equal(line.get_ydata(), growth[f"{part}_growth"] / growth["lag"])
+    for name in ("free_time", "free_path"):
+        flights = run.table(f"{name}_distribution")
+        assert np.array_equal(axes[f"{name}_distribution"].lines[0].get_ydata(), flights["density"][flights["flights"] > 0])
+
+
 def test_curves_on_request_are_drawn_as_they_were_measured(tmp_path, drawn):
     gridlock.run(
         {"box": OBLONG, "disks": {"count": 80, "packing_fraction": 0.4}, "engine": {"kind": "exact"}, "run": {"steps": 400},

@@ -83,12 +83,13 @@ Distribution FreeFlights::distribution_of(Histogram const& histogram, std::strin
     values[2].push_back(count > 0.0 ? std::sqrt(count) / all : no_value);
     values[3].push_back(count);
   }
-  return {.name = quantity + "_distribution",
-          .columns = {{quantity, unit, "Middle of the bin."},
-                      {"density", "1 / " + unit, "Share of the flights in the bin over its width."},
-                      {"error", "1 / " + unit, "One standard error of the density of independent flights."},
-                      {.name = "flights", .unit = "", .documentation = "Number of flights in the bin.", .is_count = true}},
-          .columns_of_values = std::move(values)};
+  return {
+      .name = quantity + "_distribution",
+      .columns = {{quantity, unit, "Middle of the bin."},
+                  {"density", "1 / " + unit, "Share of the flights in the bin over its width."},
+                  {"error", "1 / " + unit, "One standard error of the density of independent flights."},
+                  {.name = "flights", .unit = "", .documentation = "Number of flights in the bin.", .is_count = true}},
+      .columns_of_values = std::move(values)};
 }
 
 std::vector<Distribution> FreeFlights::distributions() const {

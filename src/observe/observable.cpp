@@ -264,9 +264,10 @@ ObserveSettings settings_of_all_observables() {
 
 std::span<std::string_view const> names_of_curves() {
   static constexpr std::array<std::string_view, 11> names{
-      "pair_correlation",       "speed_distribution", "velocity_autocorrelation", "density_profile_x",
-      "density_profile_y",      "cluster_sizes",      "local_density",            "mean_squared_displacement",
-      "stress_growth",          "free_time_distribution", "free_path_distribution"};
+      "pair_correlation",       "speed_distribution",        "velocity_autocorrelation",
+      "density_profile_x",      "density_profile_y",         "cluster_sizes",
+      "local_density",          "mean_squared_displacement", "stress_growth",
+      "free_time_distribution", "free_path_distribution"};
   return names;
 }
 

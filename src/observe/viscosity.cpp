@@ -121,9 +121,8 @@ void Viscosity::remember(Tensor const& growth, double duration) {
   }
   if (taken_ == 0) integrals_[taken_++] = {};
   Tensor const& last = integral_before(0);
-  integrals_[taken_ % integrals_.size()] = {.xy = last.xy + growth.xy,
-                                            .difference = last.difference + growth.difference,
-                                            .mean = last.mean + growth.mean};
+  integrals_[taken_ % integrals_.size()] = {
+      .xy = last.xy + growth.xy, .difference = last.difference + growth.difference, .mean = last.mean + growth.mean};
   ++taken_;
 }
 
@@ -224,7 +223,9 @@ void Viscosity::serialize(Archive& archive) {
   shear_viscosity_ = means[0];
   bulk_viscosity_ = means[1];
   for (std::size_t k = 0; k < lags_.size(); ++k) {
-    lags_[k] = {.samples = lags_[k].samples, .shear = means[3 * k + 2], .bulk = means[3 * k + 3],
+    lags_[k] = {.samples = lags_[k].samples,
+                .shear = means[3 * k + 2],
+                .bulk = means[3 * k + 3],
                 .correlation = means[3 * k + 4]};
   }
 }

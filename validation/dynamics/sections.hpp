@@ -25,6 +25,7 @@ void channels();
 void shear();
 void flow();
 void soft();
+void viscosity();
 
 /// Prints a row that agrees if the difference is at most four errors.
 void within_errors(std::string_view check, Estimate measured, Estimate expected);

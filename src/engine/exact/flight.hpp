@@ -182,10 +182,10 @@ class Flight {
   Fetching fetching_ = Fetching::nothing;
   std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
-  double now_ = 0.0;           // time of the last event in this epoch
-  double epoch_start_ = 0.0;   // counted from the state that the dynamics was made of
+  double now_ = 0.0;               // time of the last event in this epoch
+  double epoch_start_ = 0.0;       // counted from the state that the dynamics was made of
   double epoch_start_rest_ = 0.0;  // rounding error of epoch_start_, added separately
-  double epoch_length_ = 0.0;  // 0 when no disk moves
+  double epoch_length_ = 0.0;      // 0 when no disk moves
   double longest_epoch_ = 0.0;
   std::uint64_t expected_events_ = 0;
   std::uint64_t hits_ = 0;

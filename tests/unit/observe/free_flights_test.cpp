@@ -15,8 +15,15 @@ namespace {
 using hand_built::sample;
 
 PairCollision collision_at(double time, double speed_i, double speed_j) {
-  return {.time = time, .i = 0, .j = 1, .separation = {1.0, 0.0}, .velocity_i = {0.6 * speed_i, 0.8 * speed_i},
-          .velocity_j = {speed_j, 0.0}, .mass_i = 1.0, .mass_j = 1.0, .impulse = {}};
+  return {.time = time,
+          .i = 0,
+          .j = 1,
+          .separation = {1.0, 0.0},
+          .velocity_i = {0.6 * speed_i, 0.8 * speed_i},
+          .velocity_j = {speed_j, 0.0},
+          .mass_i = 1.0,
+          .mass_j = 1.0,
+          .impulse = {}};
 }
 
 TEST(FreeFlights, CountEachFlightFromTheSecondCollisionOfADiskOnInBinsOfEighthsOfPowersOfTwo) {

@@ -22,13 +22,13 @@ using hand_built::sample;
 
 /// Disks of two sizes and masses, whose centre drifts.
 State drifting_mixture() {
-  State state = make_start(Box(7.0, 5.0, Edge::periodic),
-                           {.count = 16,
-                            .packing_fraction = 0.3,
-                            .start = StartKind::random,
-                            .species = {{.fraction = 0.5, .size_ratio = 1.0},
-                                        {.fraction = 0.5, .size_ratio = 1.4, .mass = 2.0}}},
-                           3);
+  State state =
+      make_start(Box(7.0, 5.0, Edge::periodic),
+                 {.count = 16,
+                  .packing_fraction = 0.3,
+                  .start = StartKind::random,
+                  .species = {{.fraction = 0.5, .size_ratio = 1.0}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 2.0}}},
+                 3);
   hand_built::draw_maxwell(state, 1.0, 4);
   for (double& v : state.agents.column<VelocityX>()) v += 0.7;
   return state;
@@ -141,8 +141,15 @@ TEST(Viscosity, OfStressesThatForgetEachOtherAtOnceIsTheirVarianceOverFourTimesT
     RandomStream random(1, 0, k, Purpose::start_velocity);
     double const strength = random.uniform() < 0.5 ? 3.0 : -3.0;
     // A moment without a change of the velocities: the motion of the two disks, of no shear along xy, stays.
-    viscosity.collided({.time = state.clock.time, .i = 0, .j = 1, .separation = {0.0, strength}, .velocity_i = {},
-                        .velocity_j = {}, .mass_i = 1.0, .mass_j = 1.0, .impulse = {2.0, 0.0}});
+    viscosity.collided({.time = state.clock.time,
+                        .i = 0,
+                        .j = 1,
+                        .separation = {0.0, strength},
+                        .velocity_i = {},
+                        .velocity_j = {},
+                        .mass_i = 1.0,
+                        .mass_j = 1.0,
+                        .impulse = {2.0, 0.0}});
     state.clock.time += 0.5;
     sample(viscosity, state);
   }

@@ -94,8 +94,8 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
   configuration.observe = settings_of_all_observables();
   configuration.observe.every = every;
   configuration.observe.displacement_lag = 4;
-  bool const reports_collisions = configuration.engine.kind == "exact" && GetParam().edge == Edge::periodic &&
-                                  GetParam().edge_y == AxisEdge::same;
+  bool const reports_collisions =
+      configuration.engine.kind == "exact" && GetParam().edge == Edge::periodic && GetParam().edge_y == AxisEdge::same;
   if (reports_collisions) {
     configuration.observe.viscosity_lag = 2;
     configuration.observe.free_flights = true;
