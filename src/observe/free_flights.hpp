@@ -23,7 +23,7 @@ namespace gridlock {
 ///
 /// Contract: between collisions of two disks the speed of a disk stays. Errors: Error for fixed disks; of a bin, one
 /// standard error as if flights were independent.
-/// Cost: about 20 ns a collision. Memory: 8 bytes a disk.
+/// Cost: about 50 ns a collision. Memory: 8 bytes a disk.
 /// Source: S. Chapman & T. G. Cowling, The Mathematical Theory of Non-uniform Gases (1970), chapter 5; P. Visco, F. van
 /// Wijland, E. Trizac (2008), doi:10.1103/PhysRevE.77.041117, for the distributions.
 class FreeFlights final : public AveragingObservable {
@@ -38,8 +38,8 @@ class FreeFlights final : public AveragingObservable {
   void serialize(Archive& archive) override;
 
  private:
-  /// Counts of positive numbers in bins of an eighth of each power of two: a bin holds those with the same sign, exponent
-  /// and first three digits of the mantissa.
+  /// Counts of positive numbers in bins of an eighth of each power of two: a bin holds those with the same exponent and
+  /// the same first three binary digits of the mantissa.
   struct Histogram {
     std::uint64_t first = 0;
     std::vector<std::uint64_t> counts;

@@ -30,9 +30,9 @@ namespace gridlock {
 /// K Δt, where t_s is the time of the last sample.
 ///
 /// Contract: elastic disks in a periodic box without fixed ones, which nothing else moves: momentum and energy stay.
-/// Errors: Error for walls and fixed disks; of a viscosity, one standard error from groups of origins that span twice the
-/// time that an origin looks at, 2 L, absent for fewer than two groups, and rough for fewer than about ten.
-/// Cost: about 30 ns a collision; at a sample a pass over the disks, and 30 ns for each of about 16 + 10 log(L/16) lags.
+/// Errors: Error for walls and fixed disks; of a viscosity, one standard error from groups of origins that span twice
+/// the time that an origin looks at, 2 L, absent for fewer than two groups, and rough for fewer than about ten.
+/// Cost: about 60 ns a collision; at a sample a pass over the disks, and some 30 ns for each lag of the curve.
 /// Memory: 48 bytes for each sample in the longest lag, and 2 KiB for each lag.
 /// Source: E. Helfand (1960), doi:10.1103/PhysRev.119.1; B. J. Alder, D. M. Gass, T. E. Wainwright (1970),
 /// doi:10.1063/1.1673845, for hard disks; P. J. Daivis, D. J. Evans (1994), doi:10.1063/1.466970, for (xx − yy)/2.

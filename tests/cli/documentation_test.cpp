@@ -76,11 +76,13 @@ TEST(Explain, ThePageOfObservablesSaysWhatTheProgramSays) {
     EXPECT_NE(page.find(row), std::string::npos) << "missing in docs/reference/observables.md: " << row;
   }
   // Self-propelled disks of the engines with a time step have no pressures: no run has every column.
-  // Soft disks do not collide, and have columns of their own. Defects are those of periodic boxes, which have no walls.
+  // Soft disks do not collide, and have columns of their own. Defects are those of periodic boxes, which have no walls;
+  // viscosities and free paths those of the engine exact.
   for (std::string const of_others :
        {",effective_swim_speed", ",potential_energy,pressure,stress_xx,stress_xy,stress_yy,total_energy",
         ",defect_fraction,disclination_fraction,dislocation_fraction,dislocation_pair_fraction,other_defect_"
-        "fraction"}) {
+        "fraction",
+        ",shear_viscosity,bulk_viscosity,mean_free_path"}) {
     ASSERT_NE(names.find(of_others), std::string::npos);
     names.erase(names.find(of_others), of_others.size());
   }

@@ -115,8 +115,8 @@ class EngineFor {
   /// made for the same start, the run continues with the same bits. Most engines keep no data.
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
 
-  /// From now on advance() calls report() at each collision of two disks, in the order of time. It must not throw. Several
-  /// threads then do not share the work. Errors: Error if the engine knows no collisions one by one.
+  /// From now on advance() calls report() at each collision of two disks, in the order of time. It must not throw.
+  /// Several threads then do not share the work. Errors: Error if the engine knows no collisions one by one.
   virtual void report_collisions(ReportCollision /*report*/) { refuse_to_report_collisions(); }
 
   /// Calls use() with a frame of the world and the columns that the engine alone knows, such as headings.

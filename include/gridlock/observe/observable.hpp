@@ -163,8 +163,8 @@ struct DynamicsTraits {
 /// Returns every observable whose requirements the world meets; begin(start) has been called.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; Stress of soft disks; BondOrientation and
-/// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DefectFractions,
-/// DisplacementCurve, TemperatureByKind, LineFlux, Viscosity and FreeFlights where settings ask for them (Error for agents that lack a column).
+/// PairCorrelation unless structure_every is 0; DensityProfile, ClusterSizes, LocalDensity, DefectFractions, LineFlux,
+/// DisplacementCurve, TemperatureByKind, Viscosity, FreeFlights where settings ask (Error where a column is missing).
 /// Quantities of walls exist only between walls. Cost of a sample: a few passes over the agents, about 20 ns an agent;
 /// ψ6 and g(r) about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
