@@ -93,6 +93,15 @@ Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, 
   return sum;
 }
 
+void add_fields(Checksum& sum, std::span<Field const> fields) {
+  for (Field const& field : fields) {
+    std::uint64_t const shape[] = {field.rows(), field.columns()};
+    sum.add(std::span(field.name()));
+    sum.add(std::span(shape));
+    sum.add(field.values());
+  }
+}
+
 std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash) {
   Checksum sum = begun_checksum(frame.box, frame.clock, frame.seed, frame.size(), state_hash);
   sum.add(std::span(frame.ids));
@@ -100,6 +109,7 @@ std::uint64_t checksum(Frame const& frame, std::span<double const> observables, 
     sum.add(std::span(column.name));
     sum.add(bytes_of(column.values));
   }
+  add_fields(sum, frame.fields);
   sum.add(observables);
   return sum.digest();
 }

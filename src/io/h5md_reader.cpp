@@ -8,6 +8,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "io/file_format.hpp"
+#include "io/h5md_fields.hpp"
 #include "io/h5md_layout.hpp"
 #include "io/h5md_source.hpp"
 #include "io/hdf5.hpp"
@@ -207,6 +208,7 @@ H5mdFrame OwnTrajectory::read_frame(std::size_t k) const {
   frame.seed = seed_;
   frame.ids = read_ids(k);
   for (Element const& element : elements_) read_columns(element, k, frame);
+  frame.fields = h5md::read_fields(file_, k, bytes_);
   for (H5mdObservable const& observable : settings_.observables) {
     result.observables.push_back(read_one<double>("/observables/" + observable.name + "/value", k));
   }

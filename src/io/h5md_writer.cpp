@@ -14,6 +14,8 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "io/deflated_chunk.hpp"
+#include "io/h5md_dataset.hpp"
+#include "io/h5md_fields.hpp"
 #include "io/h5md_layout.hpp"
 #include "io/hdf5.hpp"
 
@@ -36,36 +38,10 @@ hid_t native_of(FrameValues const& values) {
                     values);
 }
 
-/// The shape of a new dataset; its first dimension is the frames, 0 at first.
-struct Shape {
-  std::vector<hsize_t> extent;
-  std::vector<hsize_t> max;
-  std::vector<hsize_t> chunk;
-};
+using h5md::create_dataset;
+using h5md::Shape;
 
 Shape one_for_each_frame() { return {{0}, {H5S_UNLIMITED}, {h5md::frames_per_chunk}}; }
-
-struct Filling {
-  int compression = 0;
-  std::uint64_t fill = 0;
-};
-
-void create_dataset(Handle const& file, std::string const& path, hid_t type, Shape const& shape,
-                    Filling const& filling = {}) {
-  Handle const space(H5Screate_simple(static_cast<int>(shape.extent.size()), shape.extent.data(), shape.max.data()),
-                     H5Sclose, "describe " + path);
-  Handle const list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "describe " + path);
-  hdf5::require(H5Pset_chunk(list.id(), static_cast<int>(shape.chunk.size()), shape.chunk.data()), "describe " + path);
-  if (filling.fill != 0) hdf5::require(H5Pset_fill_value(list.id(), type, &filling.fill), "describe " + path);
-  if (filling.compression > 0) {
-    hdf5::require(H5Pset_shuffle(list.id()), "describe " + path);
-    hdf5::require(H5Pset_deflate(list.id(), static_cast<unsigned>(filling.compression)), "describe " + path);
-  }
-  Handle const links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "describe " + path);
-  hdf5::require(H5Pset_create_intermediate_group(links.id(), 1), "describe " + path);
-  Handle const dataset(H5Dcreate2(file.id(), path.c_str(), type, space.id(), links.id(), list.id(), H5P_DEFAULT),
-                       H5Dclose, "create " + path);
-}
 
 void set_unit(Handle const& file, std::string const& path, std::string const& unit) {
   // The attribute is not H5MD's "unit", since readers refuse units that they cannot convert, such as reduced units.
@@ -86,6 +62,10 @@ class Beginning {
     write_box();
     write_observables();
     write_parameters();
+    for (Field const& field : frame_.fields()) {
+      h5md::create_field(file_, field, static_cast<int>(settings_.compression));
+      link_clock(h5md::path_of_field(field.name()));
+    }
     if (settings_.contacts) write_contacts(*settings_.contacts);
   }
 
@@ -391,6 +371,7 @@ std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource
     }
   }
   put_chunks(chunks, was_cut_short);
+  h5md::add_fields(sum, frame.fields());
   sum.add(observables);
   return sum.digest();
 }
@@ -444,7 +425,9 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
                                    std::uint64_t state_hash) {
   require_columns(frame);
   assert(observables.size() == observables_.size());
-  hdf5::reserve(path_, max_bytes_of_frame(frame.size()));
+  std::size_t bytes_of_fields = 0;
+  for (Field const& field : frame.fields()) bytes_of_fields += field.values().size_bytes() + room_for_indices;
+  hdf5::reserve(path_, max_bytes_of_frame(frame.size()) + bytes_of_fields + bytes_of_fields / 100);
   Handle file = hdf5::open_file(path_, Access::append);
   std::uint64_t const checksum = put_agents(file, frame, observables, state_hash);
   for (std::size_t k = 0; k < observables_.size(); ++k) {
@@ -453,6 +436,7 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
   put(file, "/parameters/frames/state_hash", state_hash);
   put(file, "/parameters/frames/checksum", checksum);
   put_box(file, frame.box());
+  for (Field const& field : frame.fields()) h5md::put_field(file, field, frame_count());
   put(file, group_ + "/id/time", frame.clock().time);
   // The step is written last, since a frame counts as complete as soon as its step exists.
   hdf5::flush(file);

@@ -11,6 +11,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "io/field_file.hpp"
 #include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "workspace/result_files.hpp"
@@ -128,6 +129,10 @@ void write_run_results(std::filesystem::path const& directory, std::string const
   if (configuration.run.final_state) {
     record_result(directory / "final.xyz");
     write_xyz(frame, directory / "final.xyz");
+    if (!frame.fields().empty()) {
+      record_result(directory / final_fields_name);
+      write_fields(frame.fields(), directory / final_fields_name);
+    }
   }
   write_file(directory / summary_name, summary_text(versions, configuration, start_hash, record, frame, traffic));
 }

@@ -21,6 +21,7 @@
 
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/field.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/world.hpp"
 
@@ -47,6 +48,7 @@ struct Frame {
   std::uint64_t seed = 0;
   std::vector<Id> ids;
   std::vector<FrameColumn> columns;
+  std::vector<Field> fields = {};  ///< numbers over the box, in the order of their names
 
   [[nodiscard]] std::size_t size() const { return ids.size(); }
   /// Returns the column named `name`, or nullptr.
@@ -66,13 +68,15 @@ struct FrameContacts {
   friend bool operator==(FrameContacts const&, FrameContacts const&) = default;
 };
 
-/// Copies agents with all columns to a frame. Cost: one copy, and a sort of the Ids unless they are in order.
+/// Copies agents with all columns to a frame without fields. Cost: one copy, and a sort of the Ids unless they are in order.
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentsView const& agents);
 
-/// Copies the agents of a world with all columns to a frame.
+/// Copies the agents of a world with all columns, and its fields, to a frame.
 template <class Model>
 Frame frame_of(World<Model> const& world) {
-  return frame_of(world.box, world.clock, world.seed, world.agents);
+  Frame frame = frame_of(world.box, world.clock, world.seed, world.agents);
+  frame.fields = world.fields;
+  return frame;
 }
 
 }  // namespace gridlock

@@ -25,9 +25,11 @@
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/field.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/core/vector.hpp"
@@ -56,7 +58,7 @@ constexpr std::span<std::string_view const> event_names() {
 template <class Model>
 using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
 
-/// The agents of a model, their box, the clock and the seed: two equal worlds stay equal under the same settings.
+/// The agents of a model, their box, the clock, the seed and fields: two equal worlds stay equal under the same settings.
 ///
 /// `Model` declares the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
 template <class Model>
@@ -68,6 +70,7 @@ struct World {
   Clock clock;
   std::uint64_t seed = 0;
   EventCounts<Model> events{};  ///< counted since the start; not part of the state, since no move depends on the counts
+  std::vector<Field> fields = {};  ///< numbers over the box, in the order of their names
 
   /// Returns the random numbers with which a model places its agent number `number` at the start.
   [[nodiscard]] RandomStream start_random(std::uint64_t number) const {
@@ -122,7 +125,7 @@ std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Popul
 /// Returns the state hash of a world; equal for worlds of two models with the same columns and values.
 template <class Model>
 std::uint64_t hash(World<Model> const& world) {
-  return hash(world.box, world.clock, world.seed, world.agents);
+  return hash_with_fields(hash(world.box, world.clock, world.seed, world.agents), world.fields);
 }
 
 /// Serializes every bit. Errors: Error if the restored values are no valid clock, box or world.
@@ -136,6 +139,10 @@ void serialize(Archive& archive, World<Model>& world) {
   serialize_inside(archive, "agents", [&] { world.agents.serialize(archive); });
   serialize_inside(archive, "events", [&] {
     for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
+  });
+  if (world.fields.empty()) return;
+  serialize_inside(archive, "fields", [&] {
+    for (Field& field : world.fields) field.serialize(archive);
   });
 }
 }  // namespace gridlock
