@@ -29,6 +29,7 @@ from .box import Box
 from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics, shear_viscosity
 from .errors import Error, Problem, RunFailure
+from .fields import Field
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification, read_xyz, verify
 from .files import open as open
 from .glass import CollectiveScattering, StringLengths, VanHove, collective_scattering, string_lengths, van_hove
@@ -53,7 +54,7 @@ from .world import Start, World
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
     "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Error",
-    "Frame", "FrameContacts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation", "PairCorrelationMap", "Problem", "Result",
+    "Field", "Frame", "FrameContacts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation", "PairCorrelationMap", "Problem", "Result",
     "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "SpectralDensity", "Start", "StringLengths", "StructureFactor",
     "StructurePeak", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi", "World", "bond_orientation", "clusters",
     "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics", "explain",

@@ -40,6 +40,7 @@ class Frame:
     ids: NDArray[np.uint64]  #: shape (N,)
     columns: dict[str, NDArray[Any]]  #: by name, each of shape (N,)
     value_names: dict[str, list[str]] = dataclasses.field(default_factory=dict)  #: of the numbers 0, 1, 2 … of a column, by its name
+    fields: dict[str, NDArray[np.float64]] = dataclasses.field(default_factory=dict)  #: of a model, by name, each of shape (rows, columns)
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -147,9 +148,9 @@ class FrameContacts(NamedTuple):
 
 
 def frame_of_values(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
-    ids, columns, box, step, time = values
+    ids, columns, box, step, time, fields = values
     names = {name: names for name, names in (value_names or {}).items() if name in columns}
-    return Frame(box_of(box), Clock(step, time), ids, columns, names)
+    return Frame(box_of(box), Clock(step, time), ids, columns, names, fields)
 
 
 def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame:
@@ -372,7 +373,9 @@ class RunDirectory:
     def final(self) -> Frame:
         """The last state."""
         names = self.summary.get("value_names", {}) if (self.path / "summary.json").exists() else {}
-        return frame_of_values(_core.read_xyz(str(self.path / "final.xyz"), None), names)
+        frame = frame_of_values(_core.read_xyz(str(self.path / "final.xyz"), None), names)
+        fields = self.path / "final_fields.h5"
+        return dataclasses.replace(frame, fields=_core.read_fields(str(fields))) if fields.exists() else frame
 
     @property
     def diameter(self) -> float:

@@ -17,6 +17,7 @@ from . import _core
 from .arrays import as_observed, in_short
 from .box import Box, BoxValues, box_of
 from .errors import Error, RunFailure
+from .fields import Field
 from .world import Start, World
 
 if TYPE_CHECKING:
@@ -127,15 +128,17 @@ class Model:
 
     - ``columns``: what agents have besides x and y, with their types: ``{"health": np.uint32}``; float64, int32, uint32 or uint64.
     - ``events``: names of what :meth:`World.count` counts. ``value_names``: names of the numbers 0, 1, 2 … of a column.
+    - ``fields``: numbers on a grid over the box, ``{"grass": gridlock.Field(100)}``; see :class:`gridlock.Field`.
     - ``time_step``: the physical time of a step; a number, a setting, or a property.
     - :meth:`start`, :meth:`step`, :meth:`observe`, :meth:`check`: see there. In place of ``step``, ``turn`` is what one agent does, compiled
       by Numba; see :mod:`gridlock.turns`.
 
-    All that changes in a run belongs into columns: checkpoints, trajectories and resumed runs know nothing else.
+    All that changes in a run belongs into columns and fields: checkpoints, trajectories and resumed runs know nothing else.
     """
 
     name: ClassVar[str] = ""
     columns: ClassVar[Mapping[str, Any]] = {}
+    fields: ClassVar[Mapping[str, Field]] = {}
     events: ClassVar[Sequence[str]] = ()
     value_names: ClassVar[Mapping[str, Sequence[str]]] = {}
     observations: ClassVar[Mapping[str, str]] = {}
@@ -151,7 +154,7 @@ class Model:
     def __setattr__(self, name: str, value: Any) -> None:
         raise Error(
             f"a model cannot keep {name!r} from one step to the next\n"
-            "  hint: keep what changes in columns of the agents, so that checkpoints have it, and what is fixed in settings"
+            "  hint: keep what changes in columns of the agents or in fields, so that checkpoints have it, and what is fixed in settings"
         )
 
     @property
@@ -195,6 +198,10 @@ class Model:
     def _check(self, box: BoxValues) -> None:
         self._checked_time_step()
         self.check(box_of(box))
+
+    def _fields(self, box: BoxValues) -> list[tuple[str, int, int]]:
+        shapes = {name: field._shape(name, self, box_of(box)) for name, field in self.fields.items()}
+        return [(name, *shapes[name]) for name in sorted(shapes, key=str.encode)]
 
     def _start(self, core: ModelWorld) -> None:
         self.start(Start(core, self))
@@ -380,6 +387,12 @@ def _require_possible(model: type[Model], columns: Mapping[str, str], settings: 
             raise Error(f"the column {name} of {what} has the type {kind}\n  hint: observables take it for {known}; use that, or another name")
         if kind not in _column_types:
             raise Error(f"the column {name} of {what} has the type {kind}\n  hint: use {', '.join(_column_types)}")
+    for name, field in model.fields.items():
+        if not isinstance(field, Field):
+            raise Error(f"the field {name} of {what} is {in_short(field)}\n  hint: use gridlock.Field(columns)")
+        taken = (*columns, *_names_of_world, *_names_in_files)
+        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name) or name in taken or hasattr(World, name) or hasattr(Start, name):
+            raise Error(f"{what} has a field {name!r}\n  hint: choose another name")
     names = [*columns, *model.events]
     is_taken = any(name in ("step", "time", "agents") for name in model.events)
     if is_taken or len(set(model.events)) < len(model.events) or not all(isinstance(name, str) and name.isidentifier() for name in names):

@@ -12,6 +12,7 @@ from .analysis import separations
 from .arrays import as_array, as_column, as_count, as_numbers, refuse_masked
 from .box import Box, box_of
 from .errors import Error
+from .fields import FieldsOfWorld
 from .neighbors import Neighbors, as_cutoff
 from .simulation import Clock
 
@@ -47,11 +48,27 @@ class _SeenByModel:
 
 
 class Start(_SeenByModel):
-    """What a model fills in its ``start``: a box without agents."""
+    """What a model fills in its ``start``: a box without agents, and fields of zeros.
+
+    ``start.grass`` is the field grass, an array of shape (rows, columns).
+    """
 
     def __init__(self, core: ModelWorld, model: Model) -> None:
         self._core = core
         self._model = model
+
+    def __getattr__(self, name: str) -> NDArray[np.float64]:
+        if name.startswith("_") or name not in self._model.fields:
+            raise AttributeError(f"the start has no field {name!r}; it has {', '.join(self._model.fields) or 'none'}")
+        field: Any = self._core.field(name)
+        return field  # type: ignore[no-any-return]
+
+    def __setattr__(self, name: str, values: Any) -> None:
+        if name.startswith("_"):
+            object.__setattr__(self, name, values)
+        else:
+            field = getattr(self, name)
+            field[...] = as_column(values, name, field.dtype)
 
     def anywhere(self, count: int) -> NDArray[np.float64]:
         """Places of so many agents anywhere in the box, shape (count, 2)."""
@@ -74,12 +91,14 @@ class Start(_SeenByModel):
         self._core.add(_new_agents(self._model, columns))
 
 
-class World(_SeenByModel):
+class World(_SeenByModel, FieldsOfWorld):
     """What a model sees and changes in its ``step``.
 
     ``world.x``, ``world["x"]`` and every other column are arrays of shape (N,), ``positions`` of shape (N, 2): the agents themselves,
     without a copy. What a step writes into them holds at once. Row k is the agent ``ids[k]`` within one step; rows change their
     order between steps.
+
+    ``world.grass`` of a model with a field grass is that field, an array of shape (rows, columns): row 0 is at the bottom of the box.
     """
 
     _arrays: dict[str, NDArray[Any]]
@@ -110,19 +129,19 @@ class World(_SeenByModel):
         return self._array("positions", self._core.positions)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._array(name, lambda: self._core.column(name))
+        return self._array(name, lambda: self._core.field(name) if name in self._model.fields else self._core.column(name))
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
         array = self[name]
         array[...] = as_column(values, name, array.dtype)
 
     def __getattr__(self, name: str) -> NDArray[Any]:
-        if name.startswith("_") or (name not in ("x", "y") and name not in self._model.columns):
+        if name.startswith("_") or not self._has(name):
             raise self._no_column(name)
         return self[name]
 
     def __setattr__(self, name: str, values: Any) -> None:
-        if name not in ("x", "y", "positions") and name not in self._model.columns:
+        if name != "positions" and not self._has(name):
             raise self._no_column(name)
         array = self.positions if name == "positions" else self[name]
         array[...] = as_column(values, name, array.dtype)
@@ -200,8 +219,11 @@ class World(_SeenByModel):
             raise Error(f"the model declares no event {event!r}\n  hint: it has {', '.join(self._model.events) or 'none; name them in events'}")
         self._core.count(list(self._model.events).index(event), _whole("times", times))
 
+    def _has(self, name: str) -> bool:
+        return name in ("x", "y") or name in self._model.columns or name in self._model.fields
+
     def _no_column(self, name: str) -> AttributeError:
-        return AttributeError(f"there is no column {name!r}; there are {', '.join(['x', 'y', *self._model.columns])}")
+        return AttributeError(f"there is no column {name!r}; there are {', '.join(['x', 'y', *self._model.columns, *self._model.fields])}")
 
     def _require_writable(self, what: str) -> None:
         if self._is_read_only:

@@ -31,7 +31,7 @@ using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::dev
 using BoxValues = std::tuple<double, double, bool, bool, double>;
 
 /// Ids, columns, box, step and time of a frame.
-using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double>;
+using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double, NamedValues>;
 FrameValuesOfPython values_of_frame(Frame frame);
 
 inline PointsInMemory view_of(Points const& points) {

@@ -85,6 +85,12 @@ class ColumnLender {
         },
         a.values);
   }
+  /// Returns numbers in rows as an array of shape (rows, columns), one that Python may write only if `Value` is not
+  /// const.
+  template <class Value>
+  nb::object rows_of(Value* data, std::size_t rows, std::size_t columns) {
+    return array_of(data, {rows, columns}, {static_cast<std::int64_t>(columns), 1});
+  }
   /// Returns the Ids as a read-only array.
   nb::object ids(std::span<Id const> ids) {
     return nb::cast(nb::ndarray<nb::numpy, Id const>(ids.data(), {ids.size()}, keeper()), nb::rv_policy::reference);

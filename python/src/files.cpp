@@ -28,6 +28,7 @@
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
 #include "gridlock/workspace/verify.hpp"
+#include "io/field_file.hpp"
 #include "io/file.hpp"
 #include "io/file_format.hpp"
 #include "listener.hpp"
@@ -37,14 +38,32 @@
 
 namespace gridlock::python {
 
+namespace {
+
+/// Returns an array of shape (rows, columns) for each field.
+NamedValues values_of_fields(std::vector<Field> const& fields) {
+  NamedValues values;
+  for (Field const& field : fields) {
+    std::vector<double> numbers(field.values().begin(), field.values().end());
+    values[field.name().c_str()] = nb::cast(owned_array(std::move(numbers), {field.rows(), field.columns()}));
+  }
+  return values;
+}
+
+}  // namespace
+
 FrameValuesOfPython values_of_frame(Frame frame) {
   NamedValues columns;
   for (FrameColumn& column : frame.columns) {
     columns[column.name.c_str()] =
         std::visit([](auto& values) { return nb::cast(owned_array(std::move(values))); }, column.values);
   }
-  return {nb::cast(owned_array(std::move(frame.ids))), columns, box_values(frame.box), frame.clock.step,
-          frame.clock.time};
+  return {nb::cast(owned_array(std::move(frame.ids))),
+          columns,
+          box_values(frame.box),
+          frame.clock.step,
+          frame.clock.time,
+          values_of_fields(frame.fields)};
 }
 
 namespace {
@@ -310,6 +329,8 @@ void bind_files(nb::module_& module) {
   module.def("collect_directory", &collect_directory, nb::arg("directory"));
   module.def(
       "read_csv", [](std::string const& path) { return columns_of(read_csv(path)); }, nb::arg("path"));
+  module.def(
+      "read_fields", [](std::string const& path) { return values_of_fields(read_fields(path)); }, nb::arg("path"));
   module.def("read_xyz", &read_xyz_frame, nb::arg("path"), nb::arg("frame").none());
   module.def(
       "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));

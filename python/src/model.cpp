@@ -117,12 +117,30 @@ class PythonModelKind final : public detail::AgentsKind {
     if (key == "model.verify_every") return "model.kind = \"" + definition_->name + "\"";
     return AgentsKind::unused_because_of(configuration, key);
   }
+  [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override {
+    std::vector<MemoryDemand> demands = AgentsKind::memory(configuration);
+    try {
+      nb::gil_scoped_acquire const acquired;
+      for (auto const& [field, rows, columns] : shapes_of_fields(make_model(), make_box(configuration.box))) {
+        // The field, its copy from before the step, and that from before it spreads.
+        constexpr double copies = 3.0;
+        demands.push_back(
+            {"the field " + field + " of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells",
+             definition_->name, copies * 8.0 * static_cast<double>(rows) * static_cast<double>(columns),
+             "use fewer cells"});
+      }
+    } catch (Error const&) {             // NOLINT(bugprone-empty-catch): check() tells it
+    } catch (nb::python_error const&) {  // NOLINT(bugprone-empty-catch): and so does the start
+    }
+    return demands;
+  }
   void check(Configuration const& configuration) const override {
     Box const box = make_box(configuration.box);
     detail::blame_table(name(), [&] {
       nb::gil_scoped_acquire const acquired;
       nb::object const model = make_model();
       call_python([&] { return model.attr("_check")(box_values(box)); });
+      static_cast<void>(shapes_of_fields(model, box));
     });
   }
 
@@ -153,6 +171,9 @@ class PythonModelKind final : public detail::AgentsKind {
     detail::blame_table(name(), [&] {
       nb::gil_scoped_acquire const acquired;
       nb::object const object = make_model();
+      for (auto const& [name, rows, columns] : shapes_of_fields(object, box)) {
+        world.fields.emplace_back(name, columns, rows);
+      }
       {
         ShownWorld const start(world, *definition_, settings.threads, ModelWorld::Phase::start);
         call_python([&] { return object.attr("_start")(start.object()); });
@@ -160,14 +181,20 @@ class PythonModelKind final : public detail::AgentsKind {
       model.time_step = nb::cast<double>(call_python([&] { return object.attr("_checked_time_step")(); }));
       model.object = SharedObject(object);
       require_inside(world);
+      require_finite_fields(world);
     });
-    if (world.agents.size() == 0) {
+    if (world.agents.size() == 0 && world.fields.empty()) {
       notes.push_back("the start of the model " + definition_->name + " has no agents; start.add() adds them");
     }
     return std::make_unique<PythonModelSimulation>(model, std::move(world), observed);
   }
 
  private:
+  using ShapeOfField = std::tuple<std::string, std::size_t, std::size_t>;
+  /// Returns the name, rows and columns of each field, in the order of the names. Contract: the GIL is held.
+  static std::vector<ShapeOfField> shapes_of_fields(nb::object const& model, Box const& box) {
+    return nb::cast<std::vector<ShapeOfField>>(call_python([&] { return model.attr("_fields")(box_values(box)); }));
+  }
   static void describe_setting(SettingDefinition& setting, SettingVisitor& visitor) {
     SettingInfo const info{.key = setting.key,
                            .unit = setting.unit,

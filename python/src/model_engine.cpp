@@ -34,6 +34,17 @@ void require_inside(World<TableModel> const& world) {
   if (row < x.size()) throw_outside(world.clock.step, world.agents.ids()[row], {x[row], y[row]}, world.box);
 }
 
+void require_finite_fields(World<TableModel> const& world) {
+  for (Field const& field : world.fields) {
+    std::size_t const cell = field.find_not_finite();
+    if (cell == field.size()) continue;
+    throw RunFailure("step " + std::to_string(world.clock.step) + ": the field " + field.name() + " has the value " +
+                     in_words(field.values()[cell]) + " in row " + std::to_string(cell / field.columns()) +
+                     ", column " + std::to_string(cell % field.columns()) +
+                     "\n  hint: this is a mistake of the model: its numbers overflow, or are none");
+  }
+}
+
 PythonModelEngine::PythonModelEngine(ModelInstance model) : model_(std::move(model)), thread_pool_(model_.threads) {}
 
 void PythonModelEngine::advance(World<TableModel>& world, Counters& /*counters*/, StopCondition const& stop_condition) {
@@ -86,18 +97,24 @@ void PythonModelEngine::step(World<TableModel>& world) {
 /// Carries out a step. Returns false and restores the agents if KeyboardInterrupt is raised, as by Ctrl-C.
 bool PythonModelEngine::try_step(World<TableModel>& world) {
   nb::gil_scoped_acquire const acquired;
+  ShownWorld const shown(world, *model_.definition, model_.threads, ModelWorld::Phase::step, &fields_before_);
+  auto const restore = [&] {
+    shown->close();
+    world.agents.take_values(before_);
+    shown->restore_fields();
+  };
   try {
-    ShownWorld const shown(world, *model_.definition, model_.threads, ModelWorld::Phase::step);
     model_.object.get().attr("_step")(shown.object());
     shown->close();
     require_inside(world);
+    if (shown->has_changed_fields()) require_finite_fields(world);
     apply(world, *shown.operator->());
   } catch (nb::python_error& error) {
-    world.agents.take_values(before_);
+    restore();
     if (error.matches(PyExc_KeyboardInterrupt)) return false;
     throw failure_of(error, model_.definition->name, world.clock.step);
   } catch (...) {
-    world.agents.take_values(before_);
+    restore();
     throw;
   }
   return true;

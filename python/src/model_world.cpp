@@ -9,10 +9,12 @@
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 #include <variant>
 
 #include "gridlock/core/random.hpp"
+#include "gridlock/core/spread.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/detail/motion.hpp"
@@ -215,7 +217,12 @@ void ModelWorld::close() {
     nb::gil_scoped_release const released;
     for (int searches = searches_; searches != 0; searches = searches_) searches_.wait(searches);
   }
-  lender_.take_back([&] { return world_.agents.release(); });
+  lender_.take_back([&] {
+    std::vector<LargeArray<double>> values;
+    for (Field& field : world_.fields) values.push_back(field.release());
+    return std::make_shared<std::pair<std::shared_ptr<void>, std::vector<LargeArray<double>>>>(world_.agents.release(),
+                                                                                               std::move(values));
+  });
 }
 
 std::vector<Id> ModelWorld::deaths() const {
@@ -228,6 +235,123 @@ std::vector<Id> ModelWorld::deaths() const {
   return ids;
 }
 
+Field const& ModelWorld::find_field(std::string const& name) const {
+  require_open();
+  auto const found = std::ranges::find(world_.fields, name, &Field::name);
+  if (found != world_.fields.end()) return *found;
+  std::string names;
+  for (Field const& field : world_.fields) names += (names.empty() ? "" : ", ") + field.name();
+  throw Error({.what = "the model has no field " + name, .hint = "it has " + (names.empty() ? "none" : names)});
+}
+
+Field& ModelWorld::field_to_change(std::string const& name) {
+  Field const& field = find_field(name);
+  if (fields_before_ != nullptr && std::ranges::find(fields_changed_, name) == fields_changed_.end()) {
+    auto const before = std::ranges::find(*fields_before_, name, &Field::name);
+    if (before == fields_before_->end()) {
+      fields_before_->push_back(field);
+    } else {
+      std::ranges::copy(field.values(), before->values().begin());
+    }
+    fields_changed_.push_back(name);
+  }
+  return const_cast<Field&>(field);  // NOLINT(cppcoreguidelines-pro-type-const-cast): the world is not const
+}
+
+void ModelWorld::restore_fields() {
+  for (std::string const& name : fields_changed_) {
+    auto const before = std::ranges::find(*fields_before_, name, &Field::name);
+    auto const field = std::ranges::find(world_.fields, name, &Field::name);
+    std::ranges::copy(before->values(), field->values().begin());
+  }
+}
+
+Vector ModelWorld::place_of(std::size_t row) const { return {world_.agents.x()[row], world_.agents.y()[row]}; }
+
+void ModelWorld::require_one_for_each_agent(Amounts const& amounts) const {
+  if (amounts.shape(0) == size()) return;
+  throw Error(
+      {.what = "there are " + std::to_string(amounts.shape(0)) + " amounts for " + std::to_string(size()) + " agents",
+       .hint = "give a number, or an array of shape (N,)"});
+}
+
+nb::object ModelWorld::field(std::string const& name) {
+  if (phase_ == Phase::observation) {
+    Field const& field = find_field(name);
+    return lender_.rows_of(field.values().data(), field.rows(), field.columns());
+  }
+  Field& field = field_to_change(name);
+  return lender_.rows_of(field.values().data(), field.rows(), field.columns());
+}
+
+nb::object ModelWorld::cells(std::string const& name, std::optional<Positions> const& points) const {
+  Field const& field = find_field(name);
+  std::size_t const count = points ? points->shape(0) : size();
+  UninitializedArray<std::int64_t> cells(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    Vector const point = points ? Vector{(*points)(k, 0), (*points)(k, 1)} : place_of(k);
+    Vector const place = points && is_finite(point) ? world_.box.inside(point) : point;
+    if (!is_inside(world_.box, place)) {
+      throw Error({.what = "point " + std::to_string(k) + " is at (" + in_words(place.x) + ", " + in_words(place.y) +
+                           "), outside the box of " + in_words(world_.box.width()) + " × " +
+                           in_words(world_.box.height()),
+                   .hint = "a field has values in the box only"});
+    }
+    cells[k] = static_cast<std::int64_t>(field.cell_of(world_.box, place));
+  }
+  return nb::cast(owned_array(std::move(cells)));
+}
+
+void ModelWorld::deposit(std::string const& name, Amounts const& amounts) {
+  Field& field = field_to_change(name);
+  require_one_for_each_agent(amounts);
+  for (std::size_t row = 0; row < size(); ++row) {
+    field.values()[field.cell_of(world_.box, place_of(row))] += amounts(row);
+  }
+}
+
+nb::object ModelWorld::take(std::string const& name, Amounts const& amounts) {
+  Field& field = field_to_change(name);
+  require_one_for_each_agent(amounts);
+  std::vector<std::size_t> cells(size());
+  std::vector<double> demand(field.size());
+  for (std::size_t row = 0; row < size(); ++row) {
+    if (!(amounts(row) >= 0.0)) {
+      throw Error({.what = "the agent of row " + std::to_string(row) + " is to take " + in_words(amounts(row)),
+                   .hint = "amounts are numbers from 0 on; deposit() gives"});
+    }
+    cells[row] = field.cell_of(world_.box, place_of(row));
+    demand[cells[row]] += amounts(row);
+  }
+  UninitializedArray<double> taken(size());
+  std::vector<std::tuple<std::size_t, double, Id, std::size_t>> rivals;
+  for (std::size_t row = 0; row < size(); ++row) {
+    taken[row] = amounts(row);
+    if (demand[cells[row]] <= field.values()[cells[row]]) continue;
+    Id const id = world_.agents.ids()[row];
+    RandomStream stream(world_.seed, world_.clock.step, id, Purpose::model_take);
+    rivals.emplace_back(cells[row], stream.uniform(), id, row);
+  }
+  std::ranges::sort(rivals);
+  for (auto const& [cell, chance, id, row] : rivals) {
+    double& left = field.values()[cell];
+    taken[row] = std::clamp(left, 0.0, amounts(row));
+    left -= taken[row];
+    demand[cell] = 0.0;
+  }
+  for (std::size_t row = 0; row < size(); ++row) {
+    if (demand[cells[row]] > 0.0) field.values()[cells[row]] -= taken[row];
+  }
+  return nb::cast(owned_array(std::move(taken)));
+}
+
+void ModelWorld::spread(std::string const& name, double diffusion, double decay, double time) {
+  Field& field = field_to_change(name);
+  nb::gil_scoped_release const released;
+  ThreadPool threads(threads_);
+  gridlock::spread(field, world_.box, {.diffusion = diffusion * time, .decay = decay * time}, threads);
+}
+
 void bind_model_world(nb::module_& module) {
   nb::class_<ModelWorld>(module, "ModelWorld")
       .def("box", &ModelWorld::box)
@@ -237,6 +361,11 @@ void bind_model_world(nb::module_& module) {
       .def("column", &ModelWorld::column, nb::arg("name"))
       .def("positions", &ModelWorld::positions)
       .def("ids", &ModelWorld::ids)
+      .def("field", &ModelWorld::field, nb::arg("name"))
+      .def("cells", &ModelWorld::cells, nb::arg("name"), nb::arg("points").none())
+      .def("deposit", &ModelWorld::deposit, nb::arg("name"), nb::arg("amounts"))
+      .def("take", &ModelWorld::take, nb::arg("name"), nb::arg("amounts"))
+      .def("spread", &ModelWorld::spread, nb::arg("name"), nb::arg("diffusion"), nb::arg("decay"), nb::arg("time"))
       .def("numbers", &ModelWorld::numbers, nb::arg("count").none(), nb::arg("each"), nb::arg("purpose"),
            nb::arg("is_normal"))
       .def("numbers_of_step", &ModelWorld::numbers_of_step, nb::arg("count"))

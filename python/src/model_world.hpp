@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "column_lender.hpp"
+#include "gridlock/core/field.hpp"
 #include "gridlock/core/world.hpp"
 #include "model.hpp"
 
@@ -31,8 +32,10 @@ class ModelWorld {
  public:
   enum class Phase { start, step, observation };
 
-  ModelWorld(World<TableModel>& world, ModelDefinition const& definition, std::uint64_t threads, Phase phase)
-      : world_(world), definition_(definition), threads_(threads), phase_(phase) {}
+  /// `fields_before` has room for the fields as they were, and outlives all use of this world.
+  ModelWorld(World<TableModel>& world, ModelDefinition const& definition, std::uint64_t threads, Phase phase,
+             std::vector<Field>* fields_before = nullptr)
+      : world_(world), definition_(definition), threads_(threads), phase_(phase), fields_before_(fields_before) {}
 
   [[nodiscard]] BoxValues box() const;
   [[nodiscard]] std::pair<std::uint64_t, double> clock() const;
@@ -42,6 +45,20 @@ class ModelWorld {
   nb::object column(std::string const& name);
   nb::object positions();
   nb::object ids();
+
+  using Positions = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+  using Amounts = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+  /// Returns the values of a field, shape (rows, columns).
+  nb::object field(std::string const& name);
+  /// Returns the cells around points, or around all agents: indices in the values of a field row by row.
+  nb::object cells(std::string const& name, std::optional<Positions> const& points) const;
+  /// Adds an amount for each agent to its cell, in the order of the rows.
+  void deposit(std::string const& name, Amounts const& amounts);
+  /// Takes up to an amount for each agent from its cell; returns the amounts that they got. Where a cell has too little
+  /// for all, they take in a random order.
+  nb::object take(std::string const& name, Amounts const& amounts);
+  /// Spreads a field for a time step.
+  void spread(std::string const& name, double diffusion, double decay, double time);
 
   /// Returns `each` random numbers for each agent, or for each of `count` new agents, of shape (agents, each).
   nb::object numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose, bool is_normal) const;
@@ -67,9 +84,17 @@ class ModelWorld {
   [[nodiscard]] std::vector<Id> deaths() const;
   [[nodiscard]] std::vector<NewAgents> const& births() const { return births_; }
   [[nodiscard]] std::vector<std::uint64_t> const& events() const { return events_; }
+  [[nodiscard]] bool has_changed_fields() const { return !fields_changed_.empty(); }
+  /// Puts fields back that this step has changed. Contract: there was room for them.
+  void restore_fields();
 
  private:
   void require_open() const;
+  [[nodiscard]] Field const& find_field(std::string const& name) const;
+  /// Returns a field to be changed, and keeps a copy of what it was.
+  Field& field_to_change(std::string const& name);
+  [[nodiscard]] Vector place_of(std::size_t row) const;
+  void require_one_for_each_agent(Amounts const& amounts) const;
   /// Returns the result of a search among the agents, without holding the GIL.
   template <class Search>
   auto find(Search search) const;
@@ -83,6 +108,8 @@ class ModelWorld {
   ColumnLender lender_;
   std::vector<std::uint64_t> dead_rows_;
   std::vector<NewAgents> births_;
+  std::vector<Field>* fields_before_;        ///< nullptr if nothing is to be restored
+  std::vector<std::string> fields_changed_;  ///< names of those that were to be changed, whose copies are up to date
   std::vector<std::uint64_t> events_ = std::vector<std::uint64_t>(definition_.events.size());
 };
 

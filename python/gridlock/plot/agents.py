@@ -240,6 +240,19 @@ def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None, walls: Any 
     axes.axis("off")
 
 
+def _draw_field(axes: Any, frame: Frame, name: str) -> None:
+    """From white, the least value or 0 if none is negative, to green, the largest."""
+    if not name:
+        return
+    if name not in frame.fields:
+        raise Error(f"there is no field {name!r} to draw\n  hint: there {'are' if frame.fields else 'is'} {', '.join(frame.fields) or 'none'}")
+    values, sides = frame.fields[name], (frame.box.width, frame.box.height)
+    low, high = min(0.0, values.min()), values.max()
+    image = axes.imshow(values, origin="lower", extent=(0.0, sides[0], 0.0, sides[1]), cmap="YlGn", vmin=low, vmax=high if high > low else low + 1.0,
+                        interpolation="nearest", zorder=0)
+    axes.figure.colorbar(image, ax=axes, label=axis_label(name), location="bottom", fraction=0.05, pad=0.02)
+
+
 def _values_given(colour: Any, count: int) -> NDArray[np.float64]:
     hint = "give one number for each agent"
     values = as_array(colour, "the colours are", hint)
@@ -265,6 +278,7 @@ def snapshot(
     names: Sequence[str] = (),
     grid: tuple[int, int] | None = None,
     walls: Sequence[Mapping[str, Sequence[float]]] | None = None,
+    field: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
     """The agents in their box, disks at their true size, round marks where they have no radius.
@@ -278,6 +292,7 @@ def snapshot(
     :param names: of the kinds 0, 1, 2 …, where the colour is a column of them; those of the model where left out.
     :param grid: cells along both axes of a grid that is drawn over the agents, which are coloured by their cells without ``colour``.
     :param walls: inside the box, as the setting ``walls`` has them; left out, those of the run, which a frame alone does not know.
+    :param field: the field beneath the agents of a model that has some; left out, the first by name; ``""`` for none.
 
     Cost: about 2 µs an agent. Above 10,000 agents they are an image also in PDF and SVG files.
 
@@ -293,6 +308,7 @@ def snapshot(
         values_of(frame, colour)
     if axes is None:
         axes = new_axes(np.clip(frame.box.height / frame.box.width, 0.2, 2.0) * 3.0)
+    _draw_field(axes, frame, next(iter(frame.fields), "") if field is None else field)
     radii = _radii(frame)
     rows, places = _rows_with_images(frame, radii)
     disks: Any = Disks(axes, places, radii[rows])
