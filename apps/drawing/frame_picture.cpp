@@ -46,6 +46,11 @@ FramePainter::FramePainter(Frame first, std::string const& colour)
 }
 
 void FramePainter::widen_bar(Frame const& frame) {
+  if (!frame.fields.empty()) {
+    auto const [least, most] = std::ranges::minmax(frame.fields[0].values());
+    least_of_field_ = std::min(least_of_field_, least);
+    most_of_field_ = std::max(most_of_field_, most);
+  }
   if (!has_bar() || colour_ == "psi6" || colour_ == "direction") return;
   for (double const value : colour_values(first_, frame, colour_)) {
     if (!std::isfinite(value)) continue;
@@ -68,6 +73,11 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
   if (frame.find("radius") != nullptr && frame.find("heading_x") != nullptr) headings = headings_of(frame);
   picture.headings = headings;
   picture.walls = walls_;
+  if (!frame.fields.empty()) {
+    picture.field = &frame.fields[0];
+    picture.field_min = least_of_field_;
+    picture.field_max = most_of_field_;
+  }
   std::vector<double> values;
   if (has_bar()) {
     values = colour_values(first_, frame, colour_);

@@ -11,7 +11,7 @@
 
 namespace gridlock {
 
-/// Draws frames of a trajectory of disks or other agents. Agents without a radius get a round mark, whose size follows
+/// Draws frames of a trajectory of disks or other agents, with the first field of a model beneath them. Agents without a radius get a round mark, whose size follows
 /// from the first frame.
 class FramePainter {
  public:
@@ -29,7 +29,9 @@ class FramePainter {
 
   /// Returns whether colours represent numbers, which need a colour bar.
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
-  /// Extends the range of the colour bar to the values of a frame with the columns of the first frame.
+  /// Returns whether widen_bar() must see all frames before the first is drawn.
+  [[nodiscard]] bool needs_ranges() const { return has_bar() || !first_.fields.empty(); }
+  /// Extends the ranges of the colour bar and of the field to the values of a frame with the columns of the first frame.
   void widen_bar(Frame const& frame);
   /// Draws a frame. Errors: those of draw_picture().
   void draw(Frame const& frame, std::uint32_t width, std::string const& title, Canvas& canvas) const;
@@ -50,6 +52,8 @@ class FramePainter {
   double mark_;  ///< radius of the mark for agents without a radius
   double least_ = 0.0;
   double most_ = 0.0;
+  double least_of_field_ = 0.0;
+  double most_of_field_ = 0.0;
 };
 
 }  // namespace gridlock

@@ -185,7 +185,7 @@ class Movie {
 
   RunStatus make() {
     // A first pass finds the range of the colour bar, which must be the same in all frames.
-    for (std::size_t n = 0; painter_.has_bar() && n < all_; ++n) {
+    for (std::size_t n = 0; painter_.needs_ranges() && n < all_; ++n) {
       if (!should_continue(0)) return RunStatus::interrupted;
       painter_.widen_bar(frame(n));
     }

@@ -12,6 +12,7 @@
 
 #include "drawing/canvas.hpp"
 #include "drawing/colour.hpp"
+#include "drawing/field_picture.hpp"
 #include "drawing/neighbourhood_colour.hpp"
 #include "gridlock/core/error.hpp"
 
@@ -246,6 +247,8 @@ class Picture {
 
   void draw_background(Canvas& canvas) const {
     canvas.fill({.width = at_.width, .height = at_.height}, white);
+    if (settings_.field != nullptr)
+      draw_field(*settings_.field, settings_.field_min, settings_.field_max, at_.box, canvas);
     if (settings_.title.empty()) return;
     canvas.text({at_.box.x + 0.5 * at_.box.width, 30.0 * at_.unit}, settings_.title,
                 {.size = 18.0 * at_.unit, .anchor = TextAnchor::middle, .colour = ink});

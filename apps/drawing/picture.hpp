@@ -9,6 +9,7 @@
 
 #include "drawing/canvas.hpp"
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/field.hpp"
 
 namespace gridlock {
 
@@ -38,6 +39,9 @@ struct PictureSettings {
                                        ///< finite value are grey
   std::span<Vector const> headings;    ///< one for each row, shown as a dot near the rim; empty: none
   std::span<LineSegment const> walls;  ///< inside the box
+  Field const* field = nullptr;        ///< drawn beneath the disks, from white to green; nullptr: none
+  double field_min = 0.0;              ///< value that is white
+  double field_max = 1.0;              ///< value that is green
   std::optional<double> min;  ///< lower end of the colour bar; default: the smallest value, or 0 if none is negative
   std::optional<double> max;  ///< upper end of the bar, or last listed kind; default: the largest value
   std::string bar_label;      ///< label of the colour bar

@@ -101,6 +101,11 @@ void print_trajectory(fs::path const& path) {
     fmt::print("  steps {} to {}, time {} to {}\n", first.frame.clock.step, last.frame.clock.step,
                first.frame.clock.time, last.frame.clock.time);
     fmt::print("  columns: {}\n", fmt::join(columns, ", "));
+    std::vector<std::string> fields;
+    for (gridlock::Field const& field : last.frame.fields) {
+      fields.push_back(fmt::format("{} of {} × {} cells", field.name(), field.columns(), field.rows()));
+    }
+    if (!fields.empty()) fmt::print("  fields: {}\n", fmt::join(fields, ", "));
     // Trajectories of other programs have no state hash.
     if (settings.creator == gridlock::H5mdSettings{}.creator)
       fmt::print("  last state_hash {:016x}\n", last.state_hash);
