@@ -143,6 +143,17 @@ def test_a_run_keeps_its_fields_and_goes_on_with_the_same_bits(tmp_path):
     assert (whole.trajectory[1].fields["scent"] != whole.trajectory[2].fields["scent"]).any()
     assert whole.trajectory[0].fields["grass"][1, 0] == 0.3
     assert gridlock.verify(whole.path).is_verified
+    (parts.path / "final_fields.h5").replace(whole.path / "final_fields.h5")
+    assert gridlock.verify(whole.path).is_verified
+
+
+def test_verify_finds_another_value_in_the_last_fields(tmp_path):
+    settings = {"model.kind": "test_grazers", "box": PERIODIC, "run.steps": 20}
+    for name, growth in (("one", 0.001), ("other", 0.002)):
+        gridlock.run({**settings, "test_grazers.growth": growth}, tmp_path / name)
+    (tmp_path / "other/final_fields.h5").replace(tmp_path / "one/final_fields.h5")
+    found = gridlock.verify(tmp_path / "one")
+    assert not found.is_verified and "final_fields.h5 has grass = " in found.text
 
 
 def test_an_automaton_needs_no_agents():

@@ -102,4 +102,21 @@ std::string difference_of_text(std::filesystem::path const& file, std::string co
                      1 + std::count(recorded.begin(), at, '\n'), word_at(recorded, place), word_at(replay, place));
 }
 
+std::string difference_of_fields(std::span<Field const> recorded, std::span<Field const> replay) {
+  for (Field const& present : replay) {
+    auto const found = std::ranges::find(recorded, present.name(), &Field::name);
+    if (found == recorded.end() || found->columns() != present.columns() || found->rows() != present.rows()) {
+      return fmt::format("no field {} of {} × {} cells, which the replay has", present.name(), present.columns(),
+                         present.rows());
+    }
+    for (std::size_t cell = 0; cell < present.size(); ++cell) {
+      double const before = found->values()[cell];
+      if (is_same(before, present.values()[cell])) continue;
+      return fmt::format("{} = {} in row {}, column {}, where the replay has {}", present.name(), before,
+                         cell / present.columns(), cell % present.columns(), present.values()[cell]);
+    }
+  }
+  return "";
+}
+
 }  // namespace gridlock

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
+#include "gridlock/core/field.hpp"
 #include "gridlock/io/table.hpp"
 
 namespace gridlock {
@@ -20,5 +22,8 @@ std::string difference_of_summary(std::filesystem::path const& file, std::string
 
 /// Compares texts, such as that of final.xyz, line by line. Errors: Error for a file that cannot be read.
 std::string difference_of_text(std::filesystem::path const& file, std::string const& replay);
+
+/// Compares fields, cell by cell.
+std::string difference_of_fields(std::span<Field const> recorded, std::span<Field const> replay);
 
 }  // namespace gridlock
