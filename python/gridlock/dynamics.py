@@ -228,7 +228,7 @@ def shear_viscosity(
         each other, below which η is too small; ``end`` a tenth of all where left out.
     :param lags: how many lags are used, evenly in their logarithm.
     :returns: η with one standard error, in mass / time. Runs of several seeds tell more: :func:`combine`.
-    :raises Error: for times that do not ascend, and fewer than two lags between start and end.
+    :raises Error: for times that do not ascend, fewer than two lags between start and end, and a stress whose mean is not 0.
 
     Cost: n · lags · 1 ns. Source: E. Helfand (1960), doi:10.1103/PhysRev.119.1; for (σ_xx − σ_yy) / 2 P. J. Daivis, D. J. Evans (1994),
     doi:10.1063/1.466970.
@@ -248,6 +248,7 @@ def shear_viscosity(
     size, kt = as_number(area, "the area"), as_number(temperature, "the temperature")
     if len(stresses) == 0 or len(t) < 2:
         raise Error(f"there are {len(stresses)} stresses at {len(t)} times\n  hint: {hint}")
+    _require_no_flow(stresses)
     moments = np.zeros((len(t), len(stresses), 2))  # as agents that move along x alone
     moments[1:, :, 0] = (0.5 * size * np.diff(t) * (stresses[:, 1:] + stresses[:, :-1])).cumsum(axis=1).T
     found = dynamics(moments, t, lags=lags)
@@ -255,6 +256,18 @@ def shear_viscosity(
     slope = diffusion_coefficient(found.lag, found.msd, found.msd_error, start=start, end=last)
     scale = 2.0 / (size * kt)
     return Result(scale * slope.value, None if slope.error is None else scale * slope.error, "mass / time")
+
+
+def _require_no_flow(stresses: NDArray[np.float64]) -> None:
+    """Refuses a stress whose mean, over ten blocks, is more than eight standard errors from 0."""
+    for stress in stresses:
+        if len(stress) < 100:
+            return
+        means = np.array([block.mean() for block in np.array_split(stress, 10)])
+        mean, error = means.mean(), means.std(ddof=1) / np.sqrt(10)
+        if abs(mean) > 8.0 * error:
+            raise Error(f"the stress has the mean {mean:.3g} ± {error:.2g}, as in a flow or a strained solid\n"
+                        "  hint: fluctuations tell a viscosity of a fluid at rest; of a steady flow it is the mean stress over the rate of shear")
 
 
 def _line(t: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:

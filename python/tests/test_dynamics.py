@@ -212,3 +212,9 @@ def test_results_of_runs_are_combined_by_their_names_as_a_sweep_does(tmp_path):
 def test_what_cannot_be_combined_is_refused(runs):
     with pytest.raises(gridlock.Error, match="hint"):
         gridlock.combine(runs)
+
+
+def test_a_stress_of_a_flow_has_no_viscosity_of_fluctuations():
+    stress = 0.5 + np.random.default_rng(1).normal(size=1000)
+    with pytest.raises(gridlock.Error, match=r"the stress has the mean 0\.\d+ ± 0\.0\d+, as in a flow"):
+        gridlock.shear_viscosity(np.arange(1000.0), stress, area=1.0, temperature=1.0, start=5.0)
