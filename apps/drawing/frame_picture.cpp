@@ -45,9 +45,14 @@ FramePainter::FramePainter(Frame first, std::string const& colour)
   }
 }
 
+Field const* FramePainter::field_of(Frame const& frame) {
+  auto const found = std::ranges::find_if(frame.fields, [](Field const& field) { return field.size() > 1; });
+  return found == frame.fields.end() ? nullptr : &*found;
+}
+
 void FramePainter::widen_bar(Frame const& frame) {
-  if (!frame.fields.empty()) {
-    auto const [least, most] = std::ranges::minmax(frame.fields[0].values());
+  if (Field const* const field = field_of(frame)) {
+    auto const [least, most] = std::ranges::minmax(field->values());
     least_of_field_ = std::min(least_of_field_, least);
     most_of_field_ = std::max(most_of_field_, most);
   }
@@ -73,8 +78,8 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
   if (frame.find("radius") != nullptr && frame.find("heading_x") != nullptr) headings = headings_of(frame);
   picture.headings = headings;
   picture.walls = walls_;
-  if (!frame.fields.empty()) {
-    picture.field = &frame.fields[0];
+  if (Field const* const field = field_of(frame)) {
+    picture.field = field;
     picture.field_min = least_of_field_;
     picture.field_max = most_of_field_;
   }

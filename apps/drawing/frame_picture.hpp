@@ -11,7 +11,8 @@
 
 namespace gridlock {
 
-/// Draws frames of a trajectory of disks or other agents, with the first field of a model beneath them. Agents without a radius get a round mark, whose size follows
+/// Draws frames of a trajectory of disks or other agents, with the first field of more than one cell
+/// beneath them. Agents without a radius get a round mark, whose size follows
 /// from the first frame.
 class FramePainter {
  public:
@@ -30,7 +31,7 @@ class FramePainter {
   /// Returns whether colours represent numbers, which need a colour bar.
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
   /// Returns whether widen_bar() must see all frames before the first is drawn.
-  [[nodiscard]] bool needs_ranges() const { return has_bar() || !first_.fields.empty(); }
+  [[nodiscard]] bool needs_ranges() const { return has_bar() || field_of(first_) != nullptr; }
   /// Extends the ranges of the colour bar and of the field to the values of a frame with the columns of the first frame.
   void widen_bar(Frame const& frame);
   /// Draws a frame. Errors: those of draw_picture().
@@ -39,6 +40,8 @@ class FramePainter {
   [[nodiscard]] PicturePixels pixels(Frame const& frame, std::uint32_t width, std::string const& title) const;
 
  private:
+  /// Returns the field to be drawn, if any.
+  [[nodiscard]] static Field const* field_of(Frame const& frame);
   /// Returns whether the values are kinds: whole numbers, few enough for distinct colours.
   [[nodiscard]] bool are_kinds() const;
   /// Calls visit(state, settings) with the frame as a state of disks and with the settings of its picture.

@@ -243,6 +243,16 @@ def test_a_model_is_refused_for(case):
     assert words in str(error.value)
 
 
+def test_a_number_of_the_world_is_a_field_of_one_cell_which_is_not_drawn():
+    def step(world):
+        world.price[...] += 1.5 * len(world)
+
+    made = simulation(step, fields={"price": gridlock.Field((1, 1)), "rain": gridlock.Field(3)})
+    made.run(steps=2)
+    assert made.frame.fields["price"].item() == 9.0
+    assert gridlock.plot.snapshot(made).get_images()[0].get_array().shape == (2, 3)
+
+
 def test_a_snapshot_has_the_field_beneath_the_agents():
     made = grazers()
     made.run(steps=5)

@@ -292,7 +292,8 @@ def snapshot(
     :param names: of the kinds 0, 1, 2 …, where the colour is a column of them; those of the model where left out.
     :param grid: cells along both axes of a grid that is drawn over the agents, which are coloured by their cells without ``colour``.
     :param walls: inside the box, as the setting ``walls`` has them; left out, those of the run, which a frame alone does not know.
-    :param field: the field beneath the agents of a model that has some; left out, the first by name; ``""`` for none.
+    :param field: the field beneath the agents of a model that has some; left out, the first by name of more than one cell;
+        ``""`` for none.
 
     Cost: about 2 µs an agent. Above 10,000 agents they are an image also in PDF and SVG files.
 
@@ -308,7 +309,7 @@ def snapshot(
         values_of(frame, colour)
     if axes is None:
         axes = new_axes(np.clip(frame.box.height / frame.box.width, 0.2, 2.0) * 3.0)
-    _draw_field(axes, frame, next(iter(frame.fields), "") if field is None else field)
+    _draw_field(axes, frame, next((name for name, values in frame.fields.items() if values.size > 1), "") if field is None else field)
     radii = _radii(frame)
     rows, places = _rows_with_images(frame, radii)
     disks: Any = Disks(axes, places, radii[rows])
