@@ -32,7 +32,7 @@ class FramePainter {
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
   /// Returns whether widen_bar() must see all frames before the first is drawn.
   [[nodiscard]] bool needs_ranges() const { return has_bar() || field_of(first_) != nullptr; }
-  /// Extends the ranges of the colour bar and of the field to the values of a frame with the columns of the first frame.
+  /// Extends the ranges of the colour bar and of the field to the values of a frame with the columns of the first one.
   void widen_bar(Frame const& frame);
   /// Draws a frame. Errors: those of draw_picture().
   void draw(Frame const& frame, std::uint32_t width, std::string const& title, Canvas& canvas) const;

@@ -14,9 +14,8 @@ namespace gridlock {
 
 /// Numbers on a grid of equal cells over the box, which agents read and change: food, heat, a scent.
 ///
-/// The cell in column c and row r covers the part of the box from c / columns() to (c + 1) / columns() of its width, and
-/// likewise of its height. Values are stored row by row from the bottom of the box: that of the cell is
-/// values()[r * columns() + c].
+/// The cell in column c and row r covers the box from c / columns() to (c + 1) / columns() of its width, and likewise
+/// of its height. Values are stored row by row from the bottom: that of the cell is values()[r * columns() + c].
 /// Errors: Error for a grid without cells.
 ///
 /// ```cpp

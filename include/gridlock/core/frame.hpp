@@ -68,7 +68,8 @@ struct FrameContacts {
   friend bool operator==(FrameContacts const&, FrameContacts const&) = default;
 };
 
-/// Copies agents with all columns to a frame without fields. Cost: one copy, and a sort of the Ids unless they are in order.
+/// Copies agents with all columns to a frame without fields. Cost: one copy, and a sort of the Ids unless they are in
+/// order.
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentsView const& agents);
 
 /// Copies the agents of a world with all columns, and its fields, to a frame.

@@ -58,7 +58,7 @@ constexpr std::span<std::string_view const> event_names() {
 template <class Model>
 using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
 
-/// The agents of a model, their box, the clock, the seed and fields: two equal worlds stay equal under the same settings.
+/// The agents of a model, their box, clock, seed and fields: two equal worlds stay equal under the same settings.
 ///
 /// `Model` declares the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
 template <class Model>
