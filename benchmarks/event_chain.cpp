@@ -1,4 +1,4 @@
-// Event-chain Monte Carlo beside the engine `exact`: equal disks in a periodic square, one core.
+// The engine `event_chain` beside the engine `exact`: equal disks in a periodic square, one core.
 //
 //     gridlock_bench_event_chain speed PACKING_FRACTION N [ROUNDS]
 //     gridlock_bench_event_chain compare|exact|straight|newtonian PACKING_FRACTION N SAMPLES COLLISIONS EQUILIBRATION
@@ -8,10 +8,6 @@
 // from the same start, which `exact` made by EQUILIBRATION / 2 pair collisions a disk. A sample is taken every so many
 // pair collisions of `exact`, and every RATIO times as many events of the chains. With a last 1 it prints ⟨|Ψ(t) − Ψ(0)|²⟩
 // and ⟨|Ψ|²⟩, both times N, against t in events a disk, for the mean of ψ6 and three shells of its Fourier modes.
-//
-// Both chains are in event_chains.hpp. They need AVX-512.
-
-#ifdef __AVX512DQ__
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +21,7 @@
 #include <string_view>
 #include <vector>
 
-#include "event_chains.hpp"
+#include "core/temperature.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "measure.hpp"
@@ -33,36 +29,52 @@
 namespace gridlock::benchmark {
 namespace {
 
-class Exact final : public Dynamics {
+/// An engine that advances by events and measures βP/ρ.
+class Dynamics {
  public:
-  explicit Exact(State const& start)
-      : state_(start), engine_(make_engine({.kind = "exact", .time_step = 1e6, .threads = 1}, state_)) {}
+  Dynamics(State const& start, EngineSettings const& settings)
+      : start_(start), state_(start), is_exact_(settings.kind == "exact"), engine_(make_engine(settings, state_)) {}
 
-  double advance(double events) override {
+  /// Advances by about so many events; returns βP/ρ while it does, whose weight in a mean is duration().
+  double advance(double events) {
     double const virial = counters_.pair_virial;
     double const time = state_.clock.time;
-    engine_->advance(state_, counters_,
-                     {.pair_collisions = counters_.pair_collisions + static_cast<std::uint64_t>(events)});
-    events_ = counters_.pair_collisions;
-    duration_of_last_ = state_.clock.time - time;
     auto const n = static_cast<double>(state_.agents.size());
-    // The total momentum is 0, so that the kinetic energy is (N − 1) kT.
-    double const kt = kinetic_energy(state_.agents) / (n - 1.0);
-    return 1.0 + (counters_.pair_virial - virial) / (2.0 * n * kt * (state_.clock.time - time));
+    StopCondition stop;
+    if (is_exact_) {
+      stop.pair_collisions = counters_.pair_collisions + static_cast<std::uint64_t>(events);
+    } else {
+      stop.step = state_.clock.step + static_cast<std::uint64_t>(std::max(1.0, std::round(events / n)));
+    }
+    engine_->advance(state_, counters_, stop);
+    duration_ = state_.clock.time - time;
+    return 1.0 + (counters_.pair_virial - virial) / (2.0 * n * temperature(state_).value() * duration_);
   }
-  [[nodiscard]] std::vector<Vector> disks() const override {
+  [[nodiscard]] std::uint64_t events() const { return counters_.pair_collisions; }
+  [[nodiscard]] double duration() const { return duration_; }
+  [[nodiscard]] State const& state() const { return state_; }
+  [[nodiscard]] std::vector<Vector> disks() const {
     std::vector<Vector> result;
-    auto const xs = state_.agents.column<X>();
-    auto const ys = state_.agents.column<Y>();
-    for (std::size_t i = 0; i < xs.size(); ++i) result.push_back({xs[i], ys[i]});
+    for (std::size_t i = 0; i < state_.agents.size(); ++i) result.push_back(position(state_.agents, i));
     return result;
   }
-  [[nodiscard]] State const& state() const { return state_; }
+  /// The sum of the displacements of all disks so far.
+  [[nodiscard]] Vector displacement() const {
+    Vector sum;
+    for (std::size_t i = 0; i < state_.agents.size(); ++i) {
+      sum = sum + (position(state_.agents, i) - position(start_.agents, i)) +
+            state_.box.offset_of_image(state_.agents.column<ImageX>()[i], state_.agents.column<ImageY>()[i]);
+    }
+    return sum;
+  }
 
  private:
+  State start_;
   State state_;
+  bool is_exact_;
   std::unique_ptr<Engine> engine_;
   Counters counters_;
+  double duration_ = 1.0;
 };
 
 /// Fourier modes of the orientation: wave vectors 2π/L (column, row) with both from −3 to 3, the sums over all disks of
@@ -163,6 +175,8 @@ CorrelationTime correlation_time(std::vector<std::complex<double>> const& series
   return result;
 }
 
+EngineSettings exact_settings() { return {.kind = "exact", .time_step = 1e6, .threads = 1}; }
+
 /// Disks on a square lattice with Maxwell's velocities and without momentum, melted by `exact`.
 State melted(std::uint64_t n, double packing_fraction, std::uint64_t seed, double collisions_per_disk) {
   auto const columns = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(n))));
@@ -179,35 +193,22 @@ State melted(std::uint64_t n, double packing_fraction, std::uint64_t seed, doubl
   }
   for (double& v : state.agents.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
   for (double& v : state.agents.column<VelocityY>()) v -= sum.y / static_cast<double>(n);
-  Exact exact(state);
+  Dynamics exact(state, exact_settings());
   exact.advance(0.5 * collisions_per_disk * static_cast<double>(n));
-  return exact.state();
-}
-
-struct ChainLength {
-  double straight;   ///< in σ
-  double newtonian;  ///< in σ/√(kT/m)
-};
-/// Chains of about so many events, from the pressure of the fluid near freezing.
-ChainLength chain_length(double events, double packing_fraction) {
-  // Straight: Z − 1 = jump a path, and a jump is about π/4 σ; Newtonian: (Z − 1) ⟨v²⟩ = v_n a time, and v_n is about 1.2.
-  double const z = 1.0 + packing_fraction * 2.0 / std::pow(1.0 - packing_fraction, 2);
-  double const excess = std::min(z, 10.2) - 1.0;
-  return {events * 0.785 / excess, events * 1.25 / (2.0 * excess)};
+  State melted = exact.state();
+  for (auto& image : melted.agents.column<ImageX>()) image = 0;
+  for (auto& image : melted.agents.column<ImageY>()) image = 0;
+  return melted;
 }
 
 std::unique_ptr<Dynamics> make(std::string_view name, State const& state, std::uint64_t seed, double events_per_chain) {
-  if (name == "exact") return std::make_unique<Exact>(state);
-  double const side = state.box.width();
-  std::vector<Vector> const disks = Exact(state).disks();
-  double const packing_fraction = std::numbers::pi / 4.0 * static_cast<double>(disks.size()) / (side * side);
-  ChainLength const length = chain_length(events_per_chain, packing_fraction);
-  if (name == "straight") return std::make_unique<StraightChains>(side, disks, seed, length.straight, events_per_chain);
-  std::vector<Vector> velocities;
-  auto const u = state.agents.column<VelocityX>();
-  auto const v = state.agents.column<VelocityY>();
-  for (std::size_t i = 0; i < disks.size(); ++i) velocities.push_back({u[i], v[i]});
-  return std::make_unique<NewtonianChains>(side, disks, velocities, seed, length.newtonian, events_per_chain);
+  State start = state;
+  start.seed = seed;
+  if (name == "exact") return std::make_unique<Dynamics>(start, exact_settings());
+  EngineSettings const chains{.kind = "event_chain",
+                              .chains = name == "straight" ? ChainKind::straight : ChainKind::newtonian,
+                              .chain_length = static_cast<std::uint64_t>(events_per_chain)};
+  return std::make_unique<Dynamics>(start, chains);
 }
 
 /// Nanoseconds of processor time an event of the three, in turns.
@@ -325,14 +326,3 @@ int main(int argument_count, char** arguments) {
            chain, correlations);
   }
 }
-
-#else
-
-#include <cstdio>
-
-int main() {
-  std::puts("event chains are written for AVX-512 here");
-  return 2;
-}
-
-#endif

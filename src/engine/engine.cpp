@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/magnitude.hpp"
+#include "event_chain.hpp"
 #include "exact.hpp"
 #include "gridlock/core/error.hpp"
 #include "soft.hpp"
@@ -22,8 +23,9 @@ namespace gridlock {
 namespace {
 
 /// All engines. A new engine takes one line here and two files of its own.
-std::array<EngineRecord, 4> const& registry() {
-  static std::array<EngineRecord, 4> const records{stepped_record(), tiled_record(), exact_record(), soft_record()};
+std::array<EngineRecord, 5> const& registry() {
+  static std::array<EngineRecord, 5> const records{stepped_record(), tiled_record(), exact_record(),
+                                                   event_chain_record(), soft_record()};
   return records;
 }
 
@@ -150,7 +152,8 @@ void require_known(EngineRecord const& engine, EngineSettings const& settings) {
     refuse("collisions that lose energy", "collisions.restitution = 1", "collisions.restitution");
   }
   if (settings.gravity.exists()) refuse("gravity", "leave [gravity] out", "gravity");
-  if (engine.has_potential && !settings.walls.empty()) refuse("walls inside the box", "leave [[walls]] out", "walls");
+  if ((engine.has_potential || engine.is_monte_carlo) && !settings.walls.empty())
+    refuse("walls inside the box", "leave [[walls]] out", "walls");
 }
 
 double bytes_per_kicked_disk(EngineSettings const& settings) {
@@ -186,6 +189,7 @@ double step_duration(EngineSettings const& settings, double smallest_radius) {
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
   static constexpr std::array<std::string_view, 2> grids{"linked", "packed"};
+  static constexpr std::array<std::string_view, 2> chains{"straight", "newtonian"};
   visit_kind(visitor, settings.kind);
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
@@ -228,6 +232,19 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
               .documentation = "How stepped finds the neighbours of a disk: \"linked\" is the paper's lists in k × k "
                                "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
              grids, settings.grid);
+  visit_enum(visitor,
+             {.key = "chains",
+              .documentation = "How the disks of event_chain move one after the other: \"straight\" up and to the "
+                               "right, or \"newtonian\", each by its velocity, which contacts change."},
+             chains, settings.chains);
+  visitor.visit({.key = "chain_length",
+                 .unit = "contacts",
+                 .documentation = "About how many disks of event_chain move in one chain. A step has chains with "
+                                  "about as many contacts as there are disks.",
+                 .min = 1,
+                 .max = 1e9,
+                 .default_note = "8 √N, and 300 at most"},
+                settings.chain_length);
   describe_threads(settings, visitor);
 }
 

@@ -218,11 +218,13 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   observables.push_back(std::make_unique<Displacement>());
   observables.push_back(std::make_unique<Energy>());
   observables.push_back(std::make_unique<Speed>(settings.speed_range, settings.speed_bins));
-  observables.push_back(std::make_unique<Rates>(dynamics.halts_moves));
+  if (dynamics.has_dynamics) observables.push_back(std::make_unique<Rates>(dynamics.halts_moves));
   if (dynamics.has_impulses) observables.push_back(std::make_unique<Pressure>());
   if (dynamics.propels) observables.push_back(std::make_unique<SwimSpeed>());
   if (dynamics.potential) observables.push_back(std::make_unique<Stress>(dynamics));
-  observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
+  if (dynamics.has_dynamics) {
+    observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
+  }
   if (settings.structure_every > 0) {
     observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
     observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,

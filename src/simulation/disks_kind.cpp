@@ -343,7 +343,10 @@ DynamicsTraits traits_of(EngineSettings const& settings) {
             .pair_drag = settings.pair_drag,
             .flow = settings.flow};
   }
-  return {.halts_moves = has_steps, .propels = propels, .has_impulses = !(has_steps && propels)};
+  return {.has_dynamics = !engine.is_monte_carlo,
+          .halts_moves = has_steps,
+          .propels = propels,
+          .has_impulses = !(has_steps && propels)};
 }
 
 /// Returns a simulation that a protocol prepares. Its time step in units of the diameter is that of the start.

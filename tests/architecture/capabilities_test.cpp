@@ -47,13 +47,14 @@ std::string number(bool is_any) { return is_any ? "any number" : "1"; }
 template <class Cell>
 void expect_row(std::string const& text, std::string const& first_cell, Cell cell) {
   std::vector<std::string> expected;
-  for (char const* engine : {"stepped", "tiled", "exact", "soft"}) expected.push_back(cell(engine_record(engine)));
+  for (char const* engine : {"stepped", "tiled", "exact", "event_chain", "soft"})
+    expected.push_back(cell(engine_record(engine)));
   EXPECT_EQ(cells_of(text, first_cell), expected) << first_cell;
 }
 
 TEST(WhichEngine, SaysOfThreadsRanksAndMemoryWhatTheRecordsSay) {
   std::string const text = page("docs/getting_started/which_engine.md");
-  ASSERT_EQ(engine_records().size(), 4U) << "the table has a column for each engine";
+  ASSERT_EQ(engine_records().size(), 5U) << "the table has a column for each engine";
   expect_row(text, "threads in one run", [](EngineRecord const& record) { return number(record.uses_threads); });
   expect_row(text, "ranks of MPI in one run", [](EngineRecord const& record) { return number(record.uses_processes); });
   expect_row(text, "memory it counts with",
@@ -63,11 +64,12 @@ TEST(WhichEngine, SaysOfThreadsRanksAndMemoryWhatTheRecordsSay) {
   expect_row(text, "more on several threads",
              [](EngineRecord const& record) { return fmt::format("{}", record.bytes_per_disk_of_threads); });
   std::vector<std::string> const steps = cells_of(text, "time step");
-  ASSERT_EQ(steps.size(), 4U);
+  ASSERT_EQ(steps.size(), 5U);
   EXPECT_EQ(steps[0].starts_with("none"), !engine_record("stepped").has_time_step);
   EXPECT_EQ(steps[1].starts_with("none"), !engine_record("tiled").has_time_step);
   EXPECT_EQ(steps[2].starts_with("none"), !engine_record("exact").has_time_step);
-  EXPECT_EQ(steps[3].starts_with("none"), !engine_record("soft").has_time_step);
+  EXPECT_EQ(steps[3].starts_with("none"), !engine_record("event_chain").has_time_step);
+  EXPECT_EQ(steps[4].starts_with("none"), !engine_record("soft").has_time_step);
 }
 
 TEST(WhichEngine, ListsTheModelsWithTheirThreadsAndRanks) {

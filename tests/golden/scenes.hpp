@@ -226,6 +226,25 @@ inline std::vector<Scene> scenes_of_soft_disks() {
   return all;
 }
 
+/// Scenes of event chains: equal disks, for which there are kernels of their own, and disks of two sizes.
+inline std::vector<Scene> scenes_of_chains() {
+  Scene const equal{.name = "chains",
+                    .box = Box(1.2, 0.8, Edge::periodic),
+                    .disks = {.count = 400, .packing_fraction = 0.7, .start = StartKind::triangular},
+                    .velocities = {.kind = VelocityKind::maxwell},
+                    .engine = {.chain_length = 50}};
+  Scene newtonian = equal;
+  newtonian.name = "chains_newtonian";
+  newtonian.engine.chains = ChainKind::newtonian;
+  Scene mixture = newtonian;
+  mixture.name = "chains_of_two_sizes";
+  mixture.disks = {.count = 200,
+                   .packing_fraction = 0.4,
+                   .start = StartKind::random,
+                   .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4}}};
+  return {equal, newtonian, mixture};
+}
+
 inline constexpr std::uint64_t seed = 20;
 
 /// How a scene starts.

@@ -29,7 +29,8 @@ enum class Purpose : std::uint64_t {
   swap_trial = 7,    ///< trial moves of swap Monte Carlo
   thermostat = 8,    ///< waiting times and velocities of kicks
   heading = 9,       ///< headings of self-propelled disks
-  model_take = 10,   ///< the order in which agents of a model take from a cell of a field
+  event_chain = 10,  ///< first disks of event chains
+  model_take = 11,   ///< the order in which agents of a model take from a cell of a field
   model_turn = 256,  ///< this number and those above it: see purpose_of_turn()
 };
 

@@ -131,6 +131,10 @@ enum class CollisionRule { always, approaching };
 /// lines. Both give the same bits.
 enum class GridKind { linked, packed };
 
+/// The chains of `event_chain`: a disk moves straight on until it meets another, which goes on in its place, or each
+/// disk moves by its velocity and exchanges momentum with the next one.
+enum class ChainKind { straight, newtonian };
+
 /// The settings `[engine]`.
 struct EngineSettings {
   std::string kind = "stepped";
@@ -141,16 +145,18 @@ struct EngineSettings {
   CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< exact: pair collisions between two audits; 0: never
   GridKind grid = GridKind::packed;
-  std::uint64_t threads = 0;             ///< exact and tiled: number of threads; 0: one for each core
-  ThermostatSettings thermostat = {};    ///< exact and soft: the settings `[thermostat]`
-  CollisionSettings collisions = {};     ///< exact: the settings `[collisions]`
-  GravitySettings gravity = {};          ///< exact: the settings `[gravity]`
-  std::vector<WallSettings> walls = {};  ///< the walls inside the box, `[[walls]]`
-  PropulsionSettings propulsion = {};    ///< the settings `[propulsion]`
-  PotentialSettings potential = {};      ///< soft: the settings `[potential]`
-  FlowSettings flow = {};                ///< soft: the settings `[flow]`
-  PairDragSettings pair_drag = {};       ///< soft: the settings `[pair_drag]`
-  AllProcesses processes = {};           ///< tiled: processes that share the run; not set by a file
+  ChainKind chains = ChainKind::straight;     ///< event_chain: how disks move
+  std::optional<std::uint64_t> chain_length;  ///< event_chain: contacts of a chain; default: 8 √N, 300 at most
+  std::uint64_t threads = 0;                  ///< exact and tiled: number of threads; 0: one for each core
+  ThermostatSettings thermostat = {};         ///< exact and soft: the settings `[thermostat]`
+  CollisionSettings collisions = {};          ///< exact: the settings `[collisions]`
+  GravitySettings gravity = {};               ///< exact: the settings `[gravity]`
+  std::vector<WallSettings> walls = {};       ///< the walls inside the box, `[[walls]]`
+  PropulsionSettings propulsion = {};         ///< the settings `[propulsion]`
+  PotentialSettings potential = {};           ///< soft: the settings `[potential]`
+  FlowSettings flow = {};                     ///< soft: the settings `[flow]`
+  PairDragSettings pair_drag = {};            ///< soft: the settings `[pair_drag]`
+  AllProcesses processes = {};                ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 /// Describes only the threads, the only setting of `[engine]` that models other than hard disks use.
@@ -176,6 +182,7 @@ struct EngineRecord {
   bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
   bool has_potential = false;                 ///< whether disks are soft: they may overlap, and nothing collides
   bool has_oblique_boxes = false;             ///< whether the box may have a tilt
+  bool is_monte_carlo = false;                ///< whether it has no dynamics, and a time is only a number of moves
   double bytes_per_disk = 0.0;                ///< largest memory of the whole program during a run
   double bytes_per_disk_of_threads = 0.0;     ///< additional memory for several threads
   double bytes_per_disk_of_checkpoint = 0.0;  ///< additional memory for writing a checkpoint

@@ -150,6 +150,7 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor);
 /// The properties of an engine on which observables depend.
 struct DynamicsTraits {
   bool keeps_counters = true;                       ///< whether it keeps Counters, see Requirements::collisions
+  bool has_dynamics = true;                         ///< whether rates and velocities mean something; not in Monte Carlo
   bool halts_moves = true;                          ///< whether a move ends where disks would overlap
   bool propels = false;                             ///< whether disks propel themselves
   bool has_impulses = true;                         ///< whether disks that meet, and walls, exchange momentum

@@ -41,6 +41,7 @@ const NAMES: Readonly<Record<string, string>> = {
   "engine.time_step": "Time step",
   "engine.contact": "Contact",
   "engine.cells": "Cells k",
+  "engine.chains": "Chains",
   "thermostat.kind": "Thermostat",
   "thermostat.temperature": "Temperature kT",
   "thermostat.friction": "Friction γ",
@@ -99,6 +100,7 @@ function keysOfEngine(values: Values): string[] {
     const flow = swims ? [] : ["flow.shear_rate"];
     return ["engine.kind", "engine.time_step", ...ofPotential, ...(THERMOSTAT_KEYS[kind] ?? []), ...flow, ...ofSwimmers];
   }
+  if (values["engine.kind"] === "event_chain") return ["engine.kind", "engine.chains"];
   // Under a rule with a time step all disks swim, or none.
   if (values["engine.kind"] !== "exact") return [...engine, ...propulsion, ...(swims ? [] : ofFixed)];
   return [...engine, ...(THERMOSTAT_KEYS[kind] ?? []), ...GRAIN_KEYS, ...ofFixed, ...(kind === "brownian" ? propulsion : [])];
