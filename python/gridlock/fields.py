@@ -35,10 +35,16 @@ class Field:
     """
 
     def __init__(self, cells: int | str | Sequence[int], documentation: str = "") -> None:
-        self.cells = cells if isinstance(cells, str) else tuple(_count(number) for number in ([cells] if np.ndim(cells) == 0 else cells))
         self.documentation = documentation
-        if not isinstance(self.cells, str) and len(self.cells) not in (1, 2):
-            raise Error(f"a field has the cells {in_short(cells)}\n  hint: {_hint}")
+        self.cells: str | tuple[int, ...]
+        if isinstance(cells, str):
+            self.cells = cells
+        elif isinstance(cells, Sequence):
+            self.cells = tuple(_count(number) for number in cells)
+            if len(cells) != 2:
+                raise Error(f"a field has the cells {in_short(cells)}\n  hint: {_hint}")
+        else:
+            self.cells = (_count(cells),)
 
     def __repr__(self) -> str:
         return f"<gridlock.Field of {' × '.join(map(str, self.cells)) if isinstance(self.cells, tuple) else self.cells} cells>"
@@ -54,6 +60,10 @@ class Field:
         if len(cells) == 2:
             return cells[0], cells[1]
         return max(1, round(cells[0] * box.height / box.width)), cells[0]
+
+
+def _rate(field: str, what: str, value: float) -> float:
+    return as_number(value, f"the {what} of the field {field}", "use a finite number from 0 on", least=-1e-300)
 
 
 def _count(number: Any) -> int:
@@ -104,9 +114,7 @@ class FieldsOfWorld:
         ``engine.threads`` threads (T. Lindeberg, 1990, doi:10.1109/34.49051).
         """
         self._require_writable("change a field")
-        rates = [as_number(value, f"the {what} of the field {field}", "use a finite number from 0 on", least=-1e-300)
-                 for what, value in (("diffusion", diffusion), ("decay", decay))]
-        self._core.spread(field, *rates, float(self._model.time_step))
+        self._core.spread(field, _rate(field, "diffusion", diffusion), _rate(field, "decay", decay), float(self._model.time_step))
 
     def _require_writable(self, what: str) -> None:
         raise NotImplementedError

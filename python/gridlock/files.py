@@ -148,9 +148,9 @@ class FrameContacts(NamedTuple):
 
 
 def frame_of_values(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
-    ids, columns, box, step, time, fields = values
+    ids, columns, box, step, time, *fields = values  # of files of other programs without fields
     names = {name: names for name, names in (value_names or {}).items() if name in columns}
-    return Frame(box_of(box), Clock(step, time), ids, columns, names, fields)
+    return Frame(box_of(box), Clock(step, time), ids, columns, names, *fields)
 
 
 def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame:

@@ -390,9 +390,10 @@ def _require_possible(model: type[Model], columns: Mapping[str, str], settings: 
     for name, field in model.fields.items():
         if not isinstance(field, Field):
             raise Error(f"the field {name} of {what} is {in_short(field)}\n  hint: use gridlock.Field(columns)")
-        taken = (*columns, *_names_of_world, *_names_in_files)
-        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name) or name in taken or hasattr(World, name) or hasattr(Start, name):
-            raise Error(f"{what} has a field {name!r}\n  hint: choose another name")
+        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
+            raise Error(f"{what} has a field {name!r}\n  hint: use letters, digits and _ for its name")
+        if name in (*columns, *_names_of_world, *_names_in_files) or hasattr(World, name) or hasattr(Start, name):
+            raise Error(f"{what} has a field {name!r}, the name of something else that a world has\n  hint: choose another name")
     names = [*columns, *model.events]
     is_taken = any(name in ("step", "time", "agents") for name in model.events)
     if is_taken or len(set(model.events)) < len(model.events) or not all(isinstance(name, str) and name.isidentifier() for name in names):

@@ -67,8 +67,7 @@ class Start(_SeenByModel):
         if name.startswith("_"):
             object.__setattr__(self, name, values)
         else:
-            field = getattr(self, name)
-            field[...] = as_column(values, name, field.dtype)
+            put_into(getattr(self, name), name, values)
 
     def anywhere(self, count: int) -> NDArray[np.float64]:
         """Places of so many agents anywhere in the box, shape (count, 2)."""
@@ -132,8 +131,8 @@ class World(_SeenByModel, FieldsOfWorld):
         return self._array(name, lambda: self._core.field(name) if name in self._model.fields else self._core.column(name))
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
-        array = self[name]
-        array[...] = as_column(values, name, array.dtype)
+        self._require_writable(f"change {name}")
+        put_into(self[name], name, values)
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name.startswith("_") or not self._has(name):
@@ -143,8 +142,8 @@ class World(_SeenByModel, FieldsOfWorld):
     def __setattr__(self, name: str, values: Any) -> None:
         if name != "positions" and not self._has(name):
             raise self._no_column(name)
-        array = self.positions if name == "positions" else self[name]
-        array[...] = as_column(values, name, array.dtype)
+        self._require_writable(f"change {name}")
+        put_into(self.positions if name == "positions" else self[name], name, values)
 
     def neighbors(self, cutoff: float) -> Neighbors:
         """The neighbours of every agent nearer than the cutoff, by rows, on the threads of ``engine.threads``."""
@@ -240,6 +239,15 @@ class World(_SeenByModel, FieldsOfWorld):
         for array in self._arrays.values():
             array.flags.writeable = False
         self._arrays.clear()
+
+
+def put_into(array: NDArray[Any], name: str, values: ArrayLike) -> None:
+    """Writes numbers into a column or a field, one for all or one for each."""
+    numbers = as_column(values, name, array.dtype)
+    try:
+        array[...] = numbers
+    except ValueError:
+        raise Error(f"{name}: the values have shape {numbers.shape}\n  hint: use a number or an array of shape {array.shape}") from None
 
 
 def _whole(what: str, number: Any) -> int:

@@ -204,7 +204,7 @@ REFUSED = {
     "a decay without end": (lambda world: world.spread("grass", decay=np.inf), "the decay of the field grass is inf"),
     "an overflow": (lambda world: world.deposit("grass", [1e308, 1e308, 0.0]), "the field grass has the value inf in row 0, column 0"),
     "no number": (lambda world: world.grass.__setitem__((1, 2), np.nan), "the field grass has the value nan in row 1, column 2"),
-    "another shape": (lambda world: setattr(world, "grass", np.zeros((3, 3))), "could not broadcast"),
+    "another shape": (lambda world: setattr(world, "grass", np.zeros((3, 3))), "grass: the values have shape (3, 3)"),
     "another attribute": (lambda world: world.hay, "there is no column 'hay'; there are x, y, got, grass"),
 }
 
@@ -225,6 +225,8 @@ def test_places_beyond_a_wall_have_no_cell():
 WRONG = {
     "no cells": (lambda: gridlock.Field(0), "the number of cells of a field is 0"),
     "half a cell": (lambda: gridlock.Field(0.5), "the number of cells of a field is 0.5"),
+    "a single number in brackets": (lambda: gridlock.Field((4,)), "a field has the cells (4,)"),
+    "a start of another shape": (lambda: simulation(None, lambda start: setattr(start, "grass", np.zeros((3, 3)))), "grass: the values have shape (3, 3)"),
     "three numbers": (lambda: gridlock.Field((1, 2, 3)), "a field has the cells"),
     "no field": (lambda: simulation(None, fields={"grass": 4}), "the field grass of the model OneField is 4"),
     "the name of a column": (lambda: simulation(None, fields={"got": gridlock.Field(4)}), "has a field 'got'"),

@@ -247,7 +247,7 @@ STEPS = {
     "assigned column that is not there": (lambda world: setattr(world, "size", 3), "no column 'size'"),
     "purpose below": (lambda world: world.uniform(purpose=-1), "purpose"),
     "complex displacements": (lambda world: world.move(np.zeros((len(world), 2), dtype=complex)), "complex"),
-    "shape of a column": (lambda world: setattr(world, "age", np.zeros(3)), "broadcast"),
+    "shape of a column": (lambda world: setattr(world, "age", np.zeros(3)), "age: the values have shape"),
 }
 
 

@@ -13,6 +13,8 @@ std::string_view unused_because_of(ObserveSettings const& settings, std::string_
         Needed{"displacement_lag", settings.per_decade == 0, "observe.per_decade"},
         Needed{"velocity_origin_every", settings.per_decade == 0, "observe.per_decade"},
         Needed{"density_profile", settings.per_decade == 0, "observe.per_decade"},
+        Needed{"viscosity_lag", settings.per_decade == 0, "observe.per_decade"},
+        Needed{"free_flights", settings.per_decade == 0, "observe.per_decade"},
         Needed{"pair_correlation_range", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"pair_correlation_bins", settings.structure_every > 0, "observe.structure_every = 0"},
         Needed{"orientation_correlation", settings.structure_every > 0, "observe.structure_every = 0"},

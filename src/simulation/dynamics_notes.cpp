@@ -170,6 +170,12 @@ void require_free_flight(EngineSettings const& settings, ObserveSettings const& 
                  .hint = hint,
                  .key = is_viscosity ? "observe.viscosity_lag" : "observe.free_flights"});
   };
+  constexpr std::uint64_t least_lag = 3;  // its slope is that of the last two thirds of the lags
+  if (is_viscosity && observe.viscosity_lag < least_lag) {
+    throw Error({.what = fmt::format("observe.viscosity_lag is {}, too short for a slope", observe.viscosity_lag),
+                 .hint = "use 12 mean free times, at least 3 samples; 0 for no viscosity",
+                 .key = "observe.viscosity_lag"});
+  }
   if (!engine_record(settings.kind).has_free_flight) {
     refuse(fmt::format("the engine \"{}\" has no free flight", settings.kind),
            "use engine.kind = \"exact\"; the stress of \"soft\" is in its series, for gridlock.shear_viscosity()");

@@ -32,6 +32,10 @@ std::vector<std::filesystem::path> runs_below(std::filesystem::path const& direc
        entry.increment(error)) {
     if (entry->path().filename() == configuration_name) runs.push_back(entry->path().parent_path());
   }
+  if (runs.empty() && std::filesystem::exists(directory / "partial_results", error)) {
+    throw Error({.what = fmt::format("the study in {} is not finished", directory.string()),
+                 .hint = "finish it by the command that began it, and then verify it"});
+  }
   if (runs.empty()) require_run(directory);
   std::ranges::sort(runs);
   return runs;
@@ -87,7 +91,9 @@ VerifiedRuns verify_all(std::filesystem::path const& directory, VerifyOptions co
   std::size_t const planned = std::max(runs.size(), runs_of_sweep(directory));
   std::size_t const missing = planned - runs.size();
   all.refused += missing;
-  if (missing > 0) on_line(fmt::format("cannot be verified: {} runs of the sweep are missing", missing));
+  if (missing > 0) on_line(fmt::format("cannot be verified: {} without a {}: {}",
+                                       missing == 1 ? "a run of the sweep is" : "runs of the sweep are",
+                                       configuration_name, missing));
   on_line(fmt::format("{} of {} runs verified; {} different, {} cannot be verified", all.verified, planned,
                       all.different, all.refused));
   return all;
