@@ -77,7 +77,7 @@ EngineRecord event_chain_record() {
           .documentation = "has no dynamics: Monte Carlo by chains of moves, in periodic boxes",
           .has_time_step = false,
           .is_monte_carlo = true,
-          .bytes_per_disk = 360.0,
+          .bytes_per_disk = 240.0,
           .bytes_per_disk_of_checkpoint = 19.0,
           .unused_because_of = unused_in_event_chain,
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },

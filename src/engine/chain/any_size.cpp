@@ -48,17 +48,16 @@ class CellsOfAnySize final : public ChainDisks {
   [[nodiscard]] Vector place(Number disk) const { return disks_[disk].place; }
   [[nodiscard]] Vector velocity(Number disk) const { return disks_[disk].velocity; }
   void set_velocity(Number disk, Vector velocity) { disks_[disk].velocity = velocity; }
-  [[nodiscard]] Number place_of_partner(Contact const& contact) const { return contact.partner; }
-  Vector move(Number disk, Number /*same*/, Vector to) {
+  Vector move(Number disk, Vector to) {
     Disk& moved = disks_[disk];
     moved.place = box_.wrap(to, moved.crossed_x, moved.crossed_y);
     grid_.move(disk, moved.place);
     return moved.place;
   }
   template <Way way>
-  void find_contact(Flight const& flight, Number disk, Contact& contact) const {
-    double const radius = disks_[disk].radius;
-    grid_.for_each_in_block(grid_.cell_of(disk), reach_columns_, reach_rows_, [&](std::size_t other) {
+  void find_contact(Flight const& flight, Contact& contact) const {
+    double const radius = disks_[flight.disk].radius;
+    grid_.for_each_in_block(grid_.cell_of(flight.disk), reach_columns_, reach_rows_, [&](std::size_t other) {
       double const distance = radius + disks_[other].radius;
       meet<way>(flight, box_.displacement_inside(flight.place, disks_[other].place), distance * distance,
                 static_cast<Number>(other), contact);

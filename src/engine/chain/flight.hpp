@@ -9,7 +9,7 @@
 
 namespace gridlock::chain {
 
-/// Number of a disk in the order of the Ids.
+/// Number of a disk in the memory of a grid; 0, 1, … is the order of the Ids before find() translates it.
 using Number = std::uint32_t;
 inline constexpr Number nobody = std::numeric_limits<Number>::max();
 
@@ -38,9 +38,14 @@ struct Contact {
   Vector separation = {};  ///< from the disk at the start of its flight to its partner
 };
 
+/// Whether a place is below another, or beside it to the left: an order for disks that are met at the same time.
+inline bool is_below(Vector place, Vector other) {
+  return place.y < other.y || (place.y == other.y && place.x < other.x);
+}
+
 /// Lets a disk at `separation` that is met at the distance √`squared_contact` replace `first` if it is met earlier, or
-/// at the same time with a lower number. So the first contact is a function of places, velocities and Ids alone,
-/// whatever the order and choice of candidates. Returns whether it does.
+/// at the same time below it. So the first contact is a function of places and velocities alone, whatever the order
+/// and choice of candidates. Returns whether it does.
 template <Way way>
 inline bool meet(Flight const& flight, Vector separation, double squared_contact, Number other, Contact& first) {
   double ahead = separation.x;
@@ -55,7 +60,8 @@ inline bool meet(Flight const& flight, Vector separation, double squared_contact
   radicand -= aside * aside;
   if (!(ahead > 0.0 && radicand > 0.0)) return false;
   double const path = std::max(ahead - std::sqrt(radicand), 0.0);
-  if (path > first.path || (path == first.path && other > first.partner)) return false;
+  if (path > first.path) return false;
+  if (path == first.path && first.partner != nobody && !is_below(separation, first.separation)) return false;
   if (other == flight.disk || other == flight.previous) return false;
   first.path = path;
   first.partner = other;
@@ -71,14 +77,14 @@ struct ChainSums {
   double virial = 0.0;
 };
 
-/// Carries out one chain of a length, or a duration. `ChainDisks` find disks by number, move them and find contacts:
-/// CellsOfAnySize, NarrowCells. Inlined, so that it is compiled for the instructions of its caller.
+/// Carries out one chain of a length, or a duration. `ChainDisks` have the disks by number, move them and find
+/// contacts: CellsOfAnySize, NarrowCells. Inlined, so that it is compiled for the instructions of its caller.
 template <Way way, class ChainDisks>
-[[gnu::always_inline]] inline void carry_out(ChainDisks& disks, Number first, double rest, ChainSums& sums) {
-  auto at = disks.find(first);
+[[gnu::always_inline]] inline void carry_out(ChainDisks& disks, Number in_order, double rest, ChainSums& sums) {
+  Number const first = disks.find(in_order);
   double const longest = disks.longest_flight();
-  Flight flight{.disk = first, .previous = nobody, .place = disks.place(at), .velocity = {}};
-  if constexpr (way == Way::by_velocity) flight.velocity = disks.velocity(at);
+  Flight flight{.disk = first, .previous = nobody, .place = disks.place(first), .velocity = {}};
+  if constexpr (way == Way::by_velocity) flight.velocity = disks.velocity(first);
   for (;;) {
     double time = std::min(rest, longest);
     if constexpr (way == Way::by_velocity) {
@@ -86,37 +92,35 @@ template <Way way, class ChainDisks>
       time = std::min(rest, longest / std::sqrt(flight.square));
     }
     Contact contact{.path = time * flight.square};
-    disks.template find_contact<way>(flight, at, contact);
+    disks.template find_contact<way>(flight, contact);
     ++sums.flights;
     bool const hits = contact.partner != nobody;
     if (hits) time = contact.path / flight.square;
     rest -= time;
     Vector step{way == Way::right ? time : 0.0, way == Way::up ? time : 0.0};
     if constexpr (way == Way::by_velocity) step = time * flight.velocity;
-    flight.place = disks.move(at, flight.disk, flight.place + step);
+    flight.place = disks.move(flight.disk, flight.place + step);
     if (!hits) {
       if (rest > 0.0) continue;
       break;
     }
     ++sums.contacts;
     Vector const separation = contact.separation - step;
-    auto const next = disks.place_of_partner(contact);
     if constexpr (way == Way::by_velocity) {
-      Vector const other = disks.velocity(next);
+      Vector const other = disks.velocity(contact.partner);
       double const towards = dot(flight.velocity, separation);
       Vector const exchange = ((towards - dot(other, separation)) / squared_length(separation)) * separation;
       sums.virial += towards;
-      disks.set_velocity(at, flight.velocity - exchange);
+      disks.set_velocity(flight.disk, flight.velocity - exchange);
       flight.velocity = other + exchange;
     } else {
       sums.virial += way == Way::right ? separation.x : separation.y;
     }
     flight.previous = flight.disk;
     flight.disk = contact.partner;
-    flight.place = disks.place(next);
-    at = next;
+    flight.place = disks.place(flight.disk);
   }
-  if constexpr (way == Way::by_velocity) disks.set_velocity(at, flight.velocity);
+  if constexpr (way == Way::by_velocity) disks.set_velocity(flight.disk, flight.velocity);
   disks.end_chain();
 }
 

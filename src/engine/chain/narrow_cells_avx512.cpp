@@ -7,9 +7,11 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "engine/chain/take_step.hpp"
@@ -25,14 +27,14 @@ using Keys = __m512i;
 constexpr float nowhere = 1e10F;  ///< both coordinates of an empty cell
 constexpr int margin = 3;         ///< columns and rows of copies at each edge
 
-/// Lanes of a window of cells: places relative to the cell of the moving disk, and steps from cell to cell.
+enum NearEdge : std::uint8_t { left = 1, right = 2, bottom = 4, top = 8 };
+
+/// Lanes of a window of cells: places relative to the cell of the moving disk, and steps to the cells.
 struct Window {
   alignas(64) float column[64];
   alignas(64) float row[64];
   alignas(64) int lane[64];
   int step[64];
-  int rows[64];
-  int columns[64];
 };
 
 /// Rows and columns of cells, in units of the shortest distance of two disks.
@@ -99,38 +101,52 @@ class NarrowCells final : public ChainDisks {
     auto const size = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows_ + 2 * margin);
     rough_x_.assign(size, nowhere);
     rough_y_.assign(size, nowhere);
-    disks_.assign(size, {});
-    cells_.resize(row_in_state_.size());
-    for (Number disk = 0; disk < cells_.size(); ++disk) {
-      std::uint32_t const row = row_in_state_[disk];
+    numbers_.assign(size, nobody);
+    edges_.assign(size, 0);
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) edges_[index(at(row, column))] = edges_near(row, column);
+    }
+    // Disks lie in memory as they lie in the box.
+    std::vector<std::pair<int, Number>> order;
+    order.reserve(row_in_state_.size());
+    for (std::uint32_t const row : row_in_state_) {
+      order.emplace_back(spot_of(position(state.agents, row)).cell, static_cast<Number>(order.size()));
+    }
+    std::ranges::sort(order);
+    by_id_.resize(order.size());
+    std::vector<std::uint32_t> const rows = row_in_state_;
+    for (Number disk = 0; disk < order.size(); ++disk) {
+      by_id_[order[disk].second] = disk;
+      row_in_state_[disk] = rows[order[disk].second];
+    }
+    disks_.reserve(row_in_state_.size());
+    for (std::uint32_t const row : row_in_state_) {
       Vector const place = position(state.agents, row);
-      Cell const cell = cell_of(place);
-      cells_[disk] = cell;
-      disks_[index(cell)] = {place, gridlock::velocity(state.agents, row), disk};
-      put_rough(cell, rough(place, cell));
+      Spot const spot = spot_of(place);
+      put(spot, static_cast<Number>(disks_.size()));
+      disks_.push_back({place, gridlock::velocity(state.agents, row), spot.cell});
     }
   }
 
   /// Whether all disks are in cells of their own, as disks without overlaps are.
   [[nodiscard]] bool are_apart() const {
-    for (Number disk = 0; disk < cells_.size(); ++disk) {
-      if (disks_[index(cells_[disk])].number != disk) return false;
+    for (Number disk = 0; disk < disks_.size(); ++disk) {
+      if (numbers_[index(disks_[disk].cell)] != disk) return false;
     }
     return true;
   }
 
   [[nodiscard]] GRIDLOCK_AVX512 ChainSums take(StepOfChains const& step) override {
-    return take_step(*this, cells_.size(), step);
+    return take_step(*this, disks_.size(), step);
   }
   void write_back(State& state) const override {
     Disks& to = state.agents;
-    for (Number disk = 0; disk < cells_.size(); ++disk) {
+    for (Number disk = 0; disk < disks_.size(); ++disk) {
       std::uint32_t const row = row_in_state_[disk];
-      Disk const& now = disks_[index(cells_[disk])];
-      to.column<X>()[row] = now.place.x;
-      to.column<Y>()[row] = now.place.y;
-      to.column<VelocityX>()[row] = now.velocity.x;
-      to.column<VelocityY>()[row] = now.velocity.y;
+      to.column<X>()[row] = disks_[disk].place.x;
+      to.column<Y>()[row] = disks_[disk].place.y;
+      to.column<VelocityX>()[row] = disks_[disk].velocity.x;
+      to.column<VelocityY>()[row] = disks_[disk].velocity.y;
     }
     for (Crossing const& crossing : crossings_) {
       to.column<ImageX>()[row_in_state_[crossing.disk]] += crossing.x;
@@ -139,83 +155,61 @@ class NarrowCells final : public ChainDisks {
   }
 
   // For carry_out():
-  struct Cell {
-    int place;  ///< in the columns of the grid
-    int row;
-    int column;
-  };
   [[nodiscard]] double longest_flight() const { return chain::longest_flight * contact_; }
-  [[nodiscard]] Cell find(Number disk) const { return cells_[disk]; }
-  [[nodiscard]] Vector place(Cell cell) const { return disks_[index(cell)].place; }
-  [[nodiscard]] Vector velocity(Cell cell) const { return disks_[index(cell)].velocity; }
-  void set_velocity(Cell cell, Vector velocity) { disks_[index(cell)].velocity = velocity; }
-  [[nodiscard]] Cell place_of_partner(Contact const& /*contact*/) const { return partner_; }
-  Vector move(Cell& cell, Number disk, Vector to) {
+  [[nodiscard]] Number find(Number in_order) const { return by_id_[in_order]; }
+  [[nodiscard]] Vector place(Number disk) const { return disks_[disk].place; }
+  [[nodiscard]] Vector velocity(Number disk) const { return disks_[disk].velocity; }
+  void set_velocity(Number disk, Vector velocity) { disks_[disk].velocity = velocity; }
+  Vector move(Number number, Vector to) {
     int crossed_x = 0;
     int crossed_y = 0;
-    Vector const place = box_.wrap(to, crossed_x, crossed_y);
+    Disk& disk = disks_[number];
+    disk.place = box_.wrap(to, crossed_x, crossed_y);
     if ((crossed_x | crossed_y) != 0) [[unlikely]]
-      crossings_.push_back({disk, crossed_x, crossed_y});
-    pending_.from = cell;
-    Cell const next = cell_of(place);
-    disks_[index(cell)].place = place;
-    if (next.place != cell.place) {
-      disks_[index(next)] = disks_[index(cell)];
-      disks_[index(cell)].number = nobody;
-      cells_[disk] = next;
-      cell = next;
-    }
-    pending_.to = cell;
-    pending_.rough = rough(place, cell);
-    return place;
+      crossings_.push_back({number, crossed_x, crossed_y});
+    pending_ = spot_of(disk.place);
+    left_cell_ = disk.cell;
+    moved_ = number;
+    disk.cell = pending_.cell;
+    return disk.place;
   }
   void end_chain() {
-    write_pending();
-    pending_ = {};
+    write_moved();
+    moved_ = nobody;
   }
   template <Way way>
-  GRIDLOCK_AVX512 void find_contact(Flight const& flight, Cell cell, Contact& contact);
+  GRIDLOCK_AVX512 void find_contact(Flight const& flight, Contact& contact);
 
  private:
   struct Disk {
     Vector place;
     Vector velocity;
-    Number number = nobody;
+    int cell;
   };
-  struct RoughPlace {
-    float x = nowhere;
-    float y = nowhere;
+  /// A cell, and a place relative to its corner.
+  struct Spot {
+    int cell;
+    float x;
+    float y;
   };
   struct Crossing {
     Number disk;
     int x;
     int y;
   };
-  /// A disk that has moved, to be written once the cells around the next one have been read: a wide load that follows a
-  /// narrow store to the same place would wait for it. The next flight cannot meet this disk.
-  struct Pending {
-    Cell from{-1, 0, 0};
-    Cell to{-1, 0, 0};
-    RoughPlace rough;
-  };
 
-  static std::size_t index(Cell cell) { return static_cast<std::size_t>(cell.place); }
-  [[nodiscard]] Cell at(int row, int column) const { return {(row + margin) * stride_ + column + margin, row, column}; }
-  [[nodiscard]] Cell cell_of(Vector place) const {
-    return at(std::min(static_cast<int>(place.y * per_height_), rows_ - 1),
-              std::min(static_cast<int>(place.x * per_width_), columns_ - 1));
+  static std::size_t index(int cell) { return static_cast<std::size_t>(cell); }
+  [[nodiscard]] int at(int row, int column) const { return (row + margin) * stride_ + column + margin; }
+  [[nodiscard]] Spot spot_of(Vector place) const {
+    int const row = std::min(static_cast<int>(place.y * per_height_), rows_ - 1);
+    int const column = std::min(static_cast<int>(place.x * per_width_), columns_ - 1);
+    return {at(row, column), static_cast<float>(place.x - column * width_),
+            static_cast<float>(place.y - row * height_)};
   }
-  [[nodiscard]] RoughPlace rough(Vector place, Cell cell) const {
-    return {static_cast<float>(place.x - cell.column * width_), static_cast<float>(place.y - cell.row * height_)};
-  }
-  /// The cell of a lane, around the box.
-  [[nodiscard]] Cell lane_of(Window const& window, Cell cell, unsigned lane) const {
-    Cell const there{cell.place + window.step[lane], cell.row + window.rows[lane], cell.column + window.columns[lane]};
-    if (static_cast<unsigned>(there.row) < static_cast<unsigned>(rows_) &&
-        static_cast<unsigned>(there.column) < static_cast<unsigned>(columns_)) [[likely]] {
-      return there;
-    }
-    return at((there.row + rows_) % rows_, (there.column + columns_) % columns_);
+  /// Returns the edges near which a cell has copies.
+  [[nodiscard]] std::uint8_t edges_near(int row, int column) const {
+    return static_cast<std::uint8_t>((column < margin ? left : 0) | (column >= columns_ - margin ? right : 0) |
+                                     (row < margin ? bottom : 0) | (row >= rows_ - margin ? top : 0));
   }
   [[nodiscard]] Window window(WindowShape const& shape) const {
     Window result{};
@@ -227,39 +221,40 @@ class NarrowCells final : public ChainDisks {
       result.column[k] = counts ? static_cast<float>(column * width_) : nowhere;
       result.lane[k] = k;
       result.step[k] = row * stride_ + column;
-      result.rows[k] = row;
-      result.columns[k] = column;
     }
     return result;
   }
-  void write_pending() {
-    if (pending_.to.place < 0) return;
-    if (pending_.from.place != pending_.to.place) put_rough(pending_.from, {});
-    put_rough(pending_.to, pending_.rough);
+  /// Writes the disk that has moved, once the cells around the next one have been read: a wide load that follows a
+  /// narrow store to the same place would wait for it. The next flight cannot meet this disk.
+  void write_moved() {
+    if (moved_ == nobody) return;
+    if (left_cell_ != pending_.cell) put({left_cell_, nowhere, nowhere}, nobody);
+    put(pending_, moved_);
   }
-  void put_rough(Cell cell, RoughPlace place) {
-    rough_x_[index(cell)] = place.x;
-    rough_y_[index(cell)] = place.y;
-    if (static_cast<unsigned>(cell.row - margin) >= static_cast<unsigned>(rows_ - 2 * margin) ||
-        static_cast<unsigned>(cell.column - margin) >= static_cast<unsigned>(columns_ - 2 * margin)) [[unlikely]] {
-      copy_rough(cell, place);
-    }
+  void put(Spot const& spot, Number number) {
+    std::size_t const cell = index(spot.cell);
+    rough_x_[cell] = spot.x;
+    rough_y_[cell] = spot.y;
+    numbers_[cell] = number;
+    if (edges_[cell] != 0) [[unlikely]]
+      put_copies(spot, number);
   }
-  [[gnu::noinline]] void copy_rough(Cell cell, RoughPlace place) {
-    int const row = cell.row < margin ? rows_ : cell.row >= rows_ - margin ? -rows_ : 0;
-    int const column = cell.column < margin ? columns_ : cell.column >= columns_ - margin ? -columns_ : 0;
-    for (int const step : {row * stride_, column, row * stride_ + column}) {
-      rough_x_[index(cell) + static_cast<std::size_t>(step)] = place.x;
-      rough_y_[index(cell) + static_cast<std::size_t>(step)] = place.y;
+  /// With the instructions of its caller: others would have to wait for the upper halves of the registers.
+  [[gnu::noinline]] GRIDLOCK_AVX512 void put_copies(Spot const& spot, Number number) {
+    unsigned const edges = edges_[index(spot.cell)];
+    int const column = (edges & left) != 0 ? columns_ : (edges & right) != 0 ? -columns_ : 0;
+    int const row = stride_ * ((edges & bottom) != 0 ? rows_ : (edges & top) != 0 ? -rows_ : 0);
+    for (int const step : {row, column, row + column}) {
+      std::size_t const cell = index(spot.cell + step);
+      rough_x_[cell] = spot.x;
+      rough_y_[cell] = spot.y;
+      numbers_[cell] = number;
     }
   }
   template <Way way>
-  void look(Window const& window, unsigned lane, Flight const& flight, Cell cell, Contact& contact) {
-    Cell const there = lane_of(window, cell, lane);
-    Disk const& other = disks_[index(there)];
-    if (other.number == nobody) return;
-    Vector const separation = box_.displacement_inside(flight.place, other.place);
-    if (meet<way>(flight, separation, contact_ * contact_, other.number, contact)) partner_ = there;
+  void look(Number other, Flight const& flight, Contact& contact) const {
+    if (other == nobody) return;
+    meet<way>(flight, box_.displacement_inside(flight.place, disks_[other].place), contact_ * contact_, other, contact);
   }
 
   Box box_;
@@ -277,27 +272,32 @@ class NarrowCells final : public ChainDisks {
   Window to_the_right_;
   std::vector<float> rough_x_;  ///< relative to the corner of the cell, with copies
   std::vector<float> rough_y_;
-  std::vector<Disk> disks_;  ///< by cell, without copies
-  std::vector<Cell> cells_;  ///< by number
+  std::vector<Number> numbers_;      ///< of the disks in the cells, with copies
+  std::vector<std::uint8_t> edges_;  ///< by cell
+  std::vector<Disk> disks_;
+  std::vector<Number> by_id_;  ///< numbers of the disks in the order of the Ids
   std::vector<Crossing> crossings_;
-  Pending pending_;
-  Cell partner_{};  ///< cell of the disk that the last flight met
+  Number moved_ = nobody;  ///< the disk that has moved and is not yet in its cell
+  int left_cell_ = 0;
+  Spot pending_{};
 };
 
 template <Way way>
-GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Cell cell, Contact& contact) {
-  constexpr bool right = way == Way::right;
+GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& contact) {
+  constexpr bool to_right = way == Way::right;
   constexpr int registers = way == Way::by_velocity ? 4 : 2;
-  Window const& w = way == Way::by_velocity ? around_ : right ? to_the_right_ : above_;
-  int const first = cell.place + w.step[0];
+  Window const& w = way == Way::by_velocity ? around_ : to_right ? to_the_right_ : above_;
+  if (moved_ == flight.disk) [[unlikely]]
+    write_moved();
+  int const cell = disks_[flight.disk].cell;
+  int const first = cell + w.step[0];
   float const* const xs = rough_x_.data() + first;
   float const* const ys = rough_y_.data() + first;
-  RoughPlace const self = rough(flight.place, cell);
-  Wide const self_x = _mm512_set1_ps(self.x);
-  Wide const self_y = _mm512_set1_ps(self.y);
+  Wide const self_x = _mm512_set1_ps(rough_x_[index(cell)]);
+  Wide const self_y = _mm512_set1_ps(rough_y_[index(cell)]);
   Wide x[registers];
   Wide y[registers];
-  if constexpr (right) {
+  if constexpr (to_right) {
     x[0] = four_rows(xs, stride_);
     y[0] = four_rows(ys, stride_);
     x[1] = _mm512_zextps128_ps512(_mm_loadu_ps(xs + 4 * stride_));
@@ -312,9 +312,9 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Cell cell, 
       y[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(ys + 6 * stride_));
     }
   }
-  write_pending();
+  write_moved();
   if (way == Way::by_velocity && !(flight.square > 1e-20 && flight.square < 1e20)) [[unlikely]] {
-    for (unsigned lane = 0; lane < 64; ++lane) look<way>(w, lane, flight, cell, contact);
+    for (unsigned lane = 0; lane < 64; ++lane) look<way>(numbers_[index(cell + w.step[lane])], flight, contact);
     return;
   }
   auto const rough_contact = static_cast<float>(contact_);
@@ -334,8 +334,8 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Cell cell, 
   for (int k = 0; k < registers; ++k) {
     x[k] = _mm512_add_ps(x[k], _mm512_sub_ps(_mm512_load_ps(w.column + 16 * k), self_x));
     y[k] = _mm512_add_ps(y[k], _mm512_sub_ps(_mm512_load_ps(w.row + 16 * k), self_y));
-    Wide ahead = right ? x[k] : y[k];
-    Wide aside = right ? y[k] : x[k];
+    Wide ahead = to_right ? x[k] : y[k];
+    Wide aside = to_right ? y[k] : x[k];
     if constexpr (way == Way::by_velocity) {
       ahead = _mm512_fmadd_ps(x[k], u, _mm512_mul_ps(y[k], v));
       aside = _mm512_fmsub_ps(x[k], v, _mm512_mul_ps(y[k], u));
@@ -348,12 +348,12 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Cell cell, 
   std::uint32_t const least = _mm512_reduce_min_epu32(all);
   // Without a lane that may be met the key is no number.
   if (!(std::bit_cast<float>(least & ~63U) <= static_cast<float>(contact.path) * (1.0F + 1e-6F))) return;
-  look<way>(w, least & 63U, flight, cell, contact);
+  look<way>(numbers_[index(cell + w.step[least & 63U])], flight, contact);
   Keys const bound = above(contact.path);
   std::uint64_t others = 0;
   for (unsigned k = 0; k < registers; ++k) others |= lanes_below(bound, found[k], 16 * k);
   for (others &= ~(std::uint64_t{1} << (least & 63U)); others != 0; others &= others - 1) [[unlikely]] {
-      look<way>(w, static_cast<unsigned>(std::countr_zero(others)), flight, cell, contact);
+      look<way>(numbers_[index(cell + w.step[static_cast<unsigned>(std::countr_zero(others))])], flight, contact);
     }
 }
 

@@ -43,23 +43,22 @@ struct AllDisks {
   [[nodiscard]] chain::Number find(chain::Number disk) const { return disk; }
   [[nodiscard]] Vector place(chain::Number disk) const { return position(state.agents, disk); }
   [[nodiscard]] Vector velocity(chain::Number disk) const { return gridlock::velocity(state.agents, disk); }
-  [[nodiscard]] chain::Number place_of_partner(chain::Contact const& found) const { return found.partner; }
   void set_velocity(chain::Number disk, Vector velocity) {
     state.agents.column<VelocityX>()[disk] = velocity.x;
     state.agents.column<VelocityY>()[disk] = velocity.y;
   }
-  Vector move(chain::Number disk, chain::Number /*same*/, Vector to) {
+  Vector move(chain::Number disk, Vector to) {
     Vector const place = state.box.wrap(to, state.agents.column<ImageX>()[disk], state.agents.column<ImageY>()[disk]);
     state.agents.column<X>()[disk] = place.x;
     state.agents.column<Y>()[disk] = place.y;
     return place;
   }
   template <chain::Way way>
-  void find_contact(chain::Flight const& flight, chain::Number disk, chain::Contact& found) const {
+  void find_contact(chain::Flight const& flight, chain::Contact& found) const {
     auto const radii = state.agents.column<Radius>();
     for (std::size_t k = state.agents.size(); k-- > 0;) {
-      double const distance = radii[disk] + radii[k];
-      chain::meet<way>(flight, state.box.displacement(place(disk), position(state.agents, k)), distance * distance,
+      double const distance = radii[flight.disk] + radii[k];
+      chain::meet<way>(flight, state.box.displacement(flight.place, position(state.agents, k)), distance * distance,
                        static_cast<chain::Number>(k), found);
     }
   }
