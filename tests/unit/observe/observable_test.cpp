@@ -376,6 +376,9 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   Collector collector;
   describe(settings, collector);
   EXPECT_EQ(collector.keys, (std::set<std::string>{"every",
+                                                   "per_decade",
+                                                   "viscosity_lag",
+                                                   "free_flights",
                                                    "equilibration",
                                                    "structure_every",
                                                    "pair_correlation_range",
