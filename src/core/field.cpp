@@ -14,10 +14,10 @@ namespace gridlock {
 
 Field::Field(std::string name, std::size_t columns, std::size_t rows, double value)
     : name_(std::move(name)), columns_(columns), rows_(rows) {
-  constexpr std::size_t max_cells = std::size_t{1} << 32;
+  constexpr std::size_t max_cells = std::size_t{1} << 30;
   if (columns == 0 || rows == 0 || columns > max_cells || rows > max_cells / columns) {
     throw Error({.what = fmt::format("the field {} has {} × {} cells", name_, columns, rows),
-                 .hint = "use 1 to 4294967296 cells in all"});
+                 .hint = "use 1 to 1073741824 cells in all"});
   }
   values_.assign(columns * rows, value);
 }
