@@ -39,15 +39,15 @@ std::string to_text(std::string const& word) {
 }
 
 /// A field of a CSV file.
-struct Field {
+struct CsvField {
   std::string text;
   bool is_quoted = false;
   int column = 0;
 };
 
 /// Reads the next field of a line; returns nothing if a quote is not closed or is followed by more text.
-std::optional<Field> take_field(std::string_view line, std::size_t& at) {
-  Field entry{.column = static_cast<int>(at) + 1};
+std::optional<CsvField> take_field(std::string_view line, std::size_t& at) {
+  CsvField entry{.column = static_cast<int>(at) + 1};
   if (at < line.size() && line[at] == '"') {
     entry.is_quoted = true;
     for (++at;; ++at) {
@@ -77,7 +77,7 @@ class CsvReader {
   Table read() {
     while (problems_.size() < max_problems && next_line()) {
       if (line_.empty() || line_.front() == '#') continue;
-      std::vector<Field> entries;
+      std::vector<CsvField> entries;
       if (!split(entries)) continue;
       if (names_.empty()) {
         take_names(entries);
@@ -100,7 +100,7 @@ class CsvReader {
 
  private:
   struct Row {
-    std::vector<Field> entries;
+    std::vector<CsvField> entries;
     int line = 0;
     std::string_view source;
   };
@@ -127,10 +127,10 @@ class CsvReader {
                          .source_line = shown_line(source)});
   }
 
-  bool split(std::vector<Field>& entries) {
+  bool split(std::vector<CsvField>& entries) {
     for (std::size_t at = 0;; ++at) {
       std::size_t const begin = at;
-      std::optional<Field> entry = take_field(line_, at);
+      std::optional<CsvField> entry = take_field(line_, at);
       if (!entry) {
         report("a quoted word does not end", "close it with \" before the next comma; a quote inside is doubled",
                static_cast<int>(begin) + 1);
@@ -141,8 +141,8 @@ class CsvReader {
     }
   }
 
-  void take_names(std::vector<Field> const& entries) {
-    for (Field const& entry : entries) {
+  void take_names(std::vector<CsvField> const& entries) {
+    for (CsvField const& entry : entries) {
       if (entry.text.empty()) {
         report("a column has no name", "the first line has to name every column", entry.column);
       } else if (!is_usable_name(entry.text)) {
@@ -155,7 +155,7 @@ class CsvReader {
     }
   }
 
-  void take_row(std::vector<Field> entries) {
+  void take_row(std::vector<CsvField> entries) {
     if (entries.size() != names_.size()) {
       report(fmt::format("the line has {} {} for {} columns", entries.size(), entries.size() == 1 ? "entry" : "entries",
                          names_.size()),
@@ -184,7 +184,7 @@ class CsvReader {
   std::vector<double> numbers(std::size_t c) {
     std::vector<double> values;
     for (Row const& row : rows_) {
-      Field const& entry = row.entries[c];
+      CsvField const& entry = row.entries[c];
       auto const value =
           entry.text.empty() ? std::numeric_limits<double>::quiet_NaN() : parse_number<double>(entry.text);
       if ((!value || entry.is_quoted) && problems_.size() < max_problems) {

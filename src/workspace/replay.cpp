@@ -222,8 +222,8 @@ bool Replay::compare_results() {
     ++found_.results;
     return true;
   };
-  for (auto const& [name, table] : result_tables(record)) {
-    if (!agrees(name, [&](auto const& file) { return difference_of_table(file, table); })) return false;
+  for (auto const& named : result_tables(record)) {
+    if (!agrees(named.first, [&](auto const& file) { return difference_of_table(file, named.second); })) return false;
   }
   bool is_same = true;
   simulation_.give_frame([&](FrameSource const& frame) {

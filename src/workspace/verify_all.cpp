@@ -91,9 +91,10 @@ VerifiedRuns verify_all(std::filesystem::path const& directory, VerifyOptions co
   std::size_t const planned = std::max(runs.size(), runs_of_sweep(directory));
   std::size_t const missing = planned - runs.size();
   all.refused += missing;
-  if (missing > 0) on_line(fmt::format("cannot be verified: {} without a {}: {}",
-                                       missing == 1 ? "a run of the sweep is" : "runs of the sweep are",
-                                       configuration_name, missing));
+  if (missing > 0) {
+    on_line(fmt::format("cannot be verified: {} without a {}: {}",
+                        missing == 1 ? "a run of the sweep is" : "runs of the sweep are", configuration_name, missing));
+  }
   on_line(fmt::format("{} of {} runs verified; {} different, {} cannot be verified", all.verified, planned,
                       all.different, all.refused));
   return all;

@@ -69,7 +69,7 @@ GRIDLOCK_AVX512 inline std::uint64_t lanes_below(Keys bound, Keys found, unsigne
 GRIDLOCK_AVX512 inline Wide two_rows(float const* lower, float const* upper) {
   return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(lower)), _mm256_loadu_ps(upper), 1);
 }
-GRIDLOCK_AVX512 inline Wide four_rows(float const* first, int stride) {
+GRIDLOCK_AVX512 inline Wide four_rows(float const* first, std::ptrdiff_t stride) {
   Wide rows = _mm512_castps128_ps512(_mm_loadu_ps(first));
   rows = _mm512_insertf32x4(rows, _mm_loadu_ps(first + stride), 1);
   rows = _mm512_insertf32x4(rows, _mm_loadu_ps(first + 2 * stride), 2);

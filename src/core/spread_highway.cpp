@@ -15,7 +15,7 @@
 // target() chooses the kernel. SVE is left out: its registers have no fixed size.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/spread.cpp"
+#define HWY_TARGET_INCLUDE "core/spread_highway.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
