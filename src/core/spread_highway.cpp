@@ -1,5 +1,3 @@
-#include "gridlock/core/spread.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "core/decay.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/spread.hpp"
 
 // This file is written once with Google Highway and compiled once for every target below, because it includes itself;
 // target() chooses the kernel. SVE is left out: its registers have no fixed size.
