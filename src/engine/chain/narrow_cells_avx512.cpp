@@ -297,19 +297,20 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& co
   Wide const self_y = _mm512_set1_ps(rough_y_[index(cell)]);
   Wide x[registers];
   Wide y[registers];
+  std::ptrdiff_t const stride = stride_;
   if constexpr (to_right) {
-    x[0] = four_rows(xs, stride_);
-    y[0] = four_rows(ys, stride_);
-    x[1] = _mm512_zextps128_ps512(_mm_loadu_ps(xs + 4 * stride_));
-    y[1] = _mm512_zextps128_ps512(_mm_loadu_ps(ys + 4 * stride_));
+    x[0] = four_rows(xs, stride);
+    y[0] = four_rows(ys, stride);
+    x[1] = _mm512_zextps128_ps512(_mm_loadu_ps(xs + 4 * stride));
+    y[1] = _mm512_zextps128_ps512(_mm_loadu_ps(ys + 4 * stride));
   } else {
-    for (int k = 0; k < (way == Way::by_velocity ? 3 : 2); ++k) {
-      x[k] = two_rows(xs + 2 * k * stride_, xs + (2 * k + 1) * stride_);
-      y[k] = two_rows(ys + 2 * k * stride_, ys + (2 * k + 1) * stride_);
+    for (std::ptrdiff_t k = 0; k < (way == Way::by_velocity ? 3 : 2); ++k) {
+      x[k] = two_rows(xs + 2 * k * stride, xs + (2 * k + 1) * stride);
+      y[k] = two_rows(ys + 2 * k * stride, ys + (2 * k + 1) * stride);
     }
     if constexpr (way == Way::by_velocity) {
-      x[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(xs + 6 * stride_));
-      y[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(ys + 6 * stride_));
+      x[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(xs + 6 * stride));
+      y[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(ys + 6 * stride));
     }
   }
   write_moved();
@@ -331,7 +332,7 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& co
     v = _mm512_set1_ps(rough_v);
   }
   Keys found[registers];
-  for (int k = 0; k < registers; ++k) {
+  for (std::ptrdiff_t k = 0; k < registers; ++k) {
     x[k] = _mm512_add_ps(x[k], _mm512_sub_ps(_mm512_load_ps(w.column + 16 * k), self_x));
     y[k] = _mm512_add_ps(y[k], _mm512_sub_ps(_mm512_load_ps(w.row + 16 * k), self_y));
     Wide ahead = to_right ? x[k] : y[k];
