@@ -97,7 +97,7 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
   bool const reports_collisions =
       configuration.engine.kind == "exact" && GetParam().edge == Edge::periodic && GetParam().edge_y == AxisEdge::same;
   if (reports_collisions) {
-    configuration.observe.viscosity_lag = 2;
+    configuration.observe.viscosity_lag = 3;
     configuration.observe.free_flights = true;
   }
   RunRecord const whole = run_in(directory / "whole", set_up(configuration));
