@@ -104,7 +104,7 @@ std::vector<ColumnElsewhere> columns_of_curves() {
   of_exact_disks.engine.kind = "exact";
   of_exact_disks.run.steps = 50;
   of_exact_disks.observe = {
-      .every = 1, .equilibration = 0.0, .structure_every = 0, .viscosity_lag = 1, .free_flights = true};
+      .every = 1, .equilibration = 0.0, .structure_every = 0, .viscosity_lag = 3, .free_flights = true};
   std::vector<ColumnElsewhere> columns;
   auto const add = [&](Distribution const& distribution) {
     for (ColumnInfo const& column : distribution.columns)
