@@ -108,7 +108,18 @@ const DISKS: Readonly<Record<string, string>> = {
     WALLS +
     'disks.count = 10_000\ndisks.packing_fraction = 0.6\ndisks.start = "triangular"\nrun.time = 0.1\n' +
     "propulsion = { speed = 0.5, rotational_diffusion = 2 }",
+  chains: chains("straight", 'disks.count = 400\ndisks.packing_fraction = 0.7\ndisks.start = "triangular"'),
+  chains_newtonian: chains("newtonian", 'disks.count = 400\ndisks.packing_fraction = 0.7\ndisks.start = "triangular"'),
+  chains_of_two_sizes: chains(
+    "newtonian",
+    'disks.count = 200\ndisks.packing_fraction = 0.4\ndisks.start = "random"\n' +
+      "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4 }]",
+  ),
 };
+
+function chains(kind: string, disks: string): string {
+  return `${PERIODIC}box.width = 1.2\nbox.height = 0.8\n${disks}\nvelocities.kind = "maxwell"\nengine.chains = "${kind}"\nengine.chain_length = 50\nrun.time = 1`;
+}
 
 const SOFT = PERIODIC + "box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.6\nengine.speed = 1\nrun.time = 0.1\n";
 const SOFT_MIXTURE = SOFT + 'disks.start = "random"\ndisks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]\n';

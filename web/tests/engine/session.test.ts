@@ -110,7 +110,7 @@ describe("the settings", () => {
   it("are described with bounds, defaults and choices", () => {
     const settings = new Map(gridlock.settings().map((setting) => [setting.key, setting]));
     expect(settings.get("disks.packing_fraction")).toMatchObject({ kind: "number", least: 0, most: 2, leastIsAllowed: false });
-    expect(settings.get("engine.kind")).toMatchObject({ kind: "choice", default: "stepped", choices: ["stepped", "tiled", "exact", "soft"] });
+    expect(settings.get("engine.kind")).toMatchObject({ kind: "choice", default: "stepped", choices: ["stepped", "tiled", "exact", "event_chain", "soft"] });
     expect(settings.get("model.kind")?.choices).toContain("flocking");
     expect(settings.get("disks.start")?.choices).toContain("triangular");
     expect(settings.get("protocol[].stage")?.choices).toContain("quench");
