@@ -115,7 +115,7 @@ describe("the settings", () => {
     expect(settings.get("disks.start")?.choices).toContain("triangular");
     expect(settings.get("protocol[].stage")?.choices).toContain("quench");
     expect(gridlock.models().map((model) => model.name)).toContain("epidemic");
-    expect(gridlock.engines().map((engine) => engine.name)).toEqual(["stepped", "tiled", "exact", "soft"]);
+    expect(gridlock.engines().map((engine) => engine.name)).toEqual(["stepped", "tiled", "exact", "event_chain", "soft"]);
   });
 
   it("are read and merged without setting up a run", () => {
