@@ -6,8 +6,9 @@
 //
 // speed: nanoseconds of processor time an event, in turns. compare: pressure, orientation and their correlation times
 // from the same start, which `exact` made by EQUILIBRATION / 2 pair collisions a disk. A sample is taken every so many
-// pair collisions of `exact`, and every RATIO times as many events of the chains. With a last 1 it prints ⟨|Ψ(t) − Ψ(0)|²⟩
-// and ⟨|Ψ|²⟩, both times N, against t in events a disk, for the mean of ψ6 and three shells of its Fourier modes.
+// pair collisions of `exact`, and every RATIO times as many events of the chains. With a last 1 it prints
+// ⟨|Ψ(t) − Ψ(0)|²⟩ and ⟨|Ψ|²⟩, both times N, against t in events a disk, for the mean of ψ6 and three shells of its
+// Fourier modes.
 
 #include <algorithm>
 #include <cmath>
@@ -83,8 +84,8 @@ constexpr int most = 3;
 constexpr int modes_a_side = 2 * most + 1;
 using Modes = std::vector<std::complex<double>>;
 
-/// Modes of ψ6, the mean of e^(6iθ) over the disks within 1.5 σ, relative to the centre of mass: straight chains push all
-/// disks along.
+/// Modes of ψ6, the mean of e^(6iθ) over the disks within 1.5 σ, relative to the centre of mass: straight chains push
+/// all disks along.
 Modes orientation(std::vector<Vector> const& disks, double side, Vector displacement) {
   constexpr double reach = 1.5;
   int const n = std::max(3, static_cast<int>(side / reach));

@@ -1,5 +1,6 @@
-// Straight event chains of equal hard disks in a periodic square box as a textbook writes them, the peer of the engine: a
-// list of disks for each cell, +x and +y in turn, a random first disk, chains of a given length. Nothing is of Gridlock.
+// Straight event chains of equal hard disks in a periodic square box as a textbook writes them, the peer of the engine:
+// a list of disks for each cell, +x and +y in turn, a random first disk, chains of a given length. It uses nothing of
+// Gridlock.
 //   gridlock_bench_plain_event_chain PACKING_FRACTION DISKS_ALONG_A_SIDE CHAINS
 
 #include <array>

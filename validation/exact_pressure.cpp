@@ -13,8 +13,8 @@
 //
 // The total momentum is 0, so that ⟨(v_i − v_j)²⟩ = 4 kT/m exactly with kT = K/(N − 1), and positions do not depend on
 // velocities: P* by the virial of collisions is that of the canonical ensemble for any N, without a correction. The
-// canonical fluid of N disks differs from the infinite one. With S = 1 / (d(ηZ)/dη), the variance of the number of disks
-// in an open system over its mean, ln Z_N = [βPV − N ln z − ½ ln(2π N S)] + …, and its derivative by V at constant N is
+// canonical fluid of N disks differs from the infinite one. With S = 1 / (d(ηZ)/dη), the variance of the number of
+// disks in an open system over its mean, ln Z_N = [βPV − N ln z − ½ ln(2π N S)] + …, and its derivative by V at constant N is
 //
 //     Z_N = Z + (η / 2N) d ln S / dη + O(1/N²),    in a dilute gas Z − (Z − 1)/N, as pairs are N(N − 1)/2.
 

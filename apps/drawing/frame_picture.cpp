@@ -52,9 +52,9 @@ Field const* FramePainter::field_of(Frame const& frame) {
 
 void FramePainter::widen_bar(Frame const& frame) {
   if (Field const* const field = field_of(frame)) {
-    auto const [least, most] = std::ranges::minmax(field->values());
-    least_of_field_ = std::min(least_of_field_, least);
-    most_of_field_ = std::max(most_of_field_, most);
+    auto const [min, max] = std::ranges::minmax(field->values());
+    field_min_ = std::min(field_min_, min);
+    field_max_ = std::max(field_max_, max);
   }
   if (!has_bar() || colour_ == "psi6" || colour_ == "direction") return;
   for (double const value : colour_values(first_, frame, colour_)) {
@@ -80,8 +80,8 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
   picture.walls = walls_;
   if (Field const* const field = field_of(frame)) {
     picture.field = field;
-    picture.field_min = least_of_field_;
-    picture.field_max = most_of_field_;
+    picture.field_min = field_min_;
+    picture.field_max = field_max_;
   }
   std::vector<double> values;
   if (has_bar()) {

@@ -11,9 +11,8 @@
 
 namespace gridlock {
 
-/// Draws frames of a trajectory of disks or other agents, with the first field of more than one cell
-/// beneath them. Agents without a radius get a round mark, whose size follows
-/// from the first frame.
+/// Draws frames of a trajectory of disks or other agents, with the first field of more than one cell beneath them.
+/// Agents without a radius get a round mark, whose size follows from the first frame.
 class FramePainter {
  public:
   /// `colour` is displacement (from the first frame), psi6, speed, direction (of the velocity or heading, in radians),
@@ -55,8 +54,8 @@ class FramePainter {
   double mark_;  ///< radius of the mark for agents without a radius
   double least_ = 0.0;
   double most_ = 0.0;
-  double least_of_field_ = 0.0;
-  double most_of_field_ = 0.0;
+  double field_min_ = 0.0;
+  double field_max_ = 0.0;
 };
 
 }  // namespace gridlock

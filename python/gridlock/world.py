@@ -67,7 +67,7 @@ class Start(_SeenByModel):
         if name.startswith("_"):
             object.__setattr__(self, name, values)
         else:
-            put_into(getattr(self, name), name, values)
+            _put_into(getattr(self, name), name, values)
 
     def anywhere(self, count: int) -> NDArray[np.float64]:
         """Places of so many agents anywhere in the box, shape (count, 2)."""
@@ -132,7 +132,7 @@ class World(_SeenByModel, FieldsOfWorld):
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
         self._require_writable(f"change {name}")
-        put_into(self[name], name, values)
+        _put_into(self[name], name, values)
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name.startswith("_") or not self._has(name):
@@ -143,7 +143,7 @@ class World(_SeenByModel, FieldsOfWorld):
         if name != "positions" and not self._has(name):
             raise self._no_column(name)
         self._require_writable(f"change {name}")
-        put_into(self.positions if name == "positions" else self[name], name, values)
+        _put_into(self.positions if name == "positions" else self[name], name, values)
 
     def neighbors(self, cutoff: float) -> Neighbors:
         """The neighbours of every agent nearer than the cutoff, by rows, on the threads of ``engine.threads``."""
@@ -241,7 +241,7 @@ class World(_SeenByModel, FieldsOfWorld):
         self._arrays.clear()
 
 
-def put_into(array: NDArray[Any], name: str, values: ArrayLike) -> None:
+def _put_into(array: NDArray[Any], name: str, values: ArrayLike) -> None:
     """Writes numbers into a column or a field, one for all or one for each."""
     numbers = as_column(values, name, array.dtype)
     try:

@@ -122,7 +122,7 @@ class PythonModelKind final : public detail::AgentsKind {
     try {
       nb::gil_scoped_acquire const acquired;
       for (auto const& [field, rows, columns] : shapes_of_fields(make_model(), make_box(configuration.box))) {
-        // The field, its copy from before the step, and that from before it spreads.
+        // The field, its copy from before the step, and a temporary array of one calculation.
         constexpr double copies = 3.0;
         demands.push_back(
             {"the field " + field + " of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells",

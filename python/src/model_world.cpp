@@ -235,7 +235,7 @@ std::vector<Id> ModelWorld::deaths() const {
   return ids;
 }
 
-Field const& ModelWorld::find_field(std::string const& name) const {
+Field& ModelWorld::find_field(std::string const& name) const {
   require_open();
   auto const found = std::ranges::find(world_.fields, name, &Field::name);
   if (found != world_.fields.end()) return *found;
@@ -245,7 +245,7 @@ Field const& ModelWorld::find_field(std::string const& name) const {
 }
 
 Field& ModelWorld::field_to_change(std::string const& name) {
-  Field const& field = find_field(name);
+  Field& field = find_field(name);
   if (fields_before_ != nullptr && std::ranges::find(fields_changed_, name) == fields_changed_.end()) {
     auto const before = std::ranges::find(*fields_before_, name, &Field::name);
     if (before == fields_before_->end()) {
@@ -255,7 +255,7 @@ Field& ModelWorld::field_to_change(std::string const& name) {
     }
     fields_changed_.push_back(name);
   }
-  return const_cast<Field&>(field);  // NOLINT(cppcoreguidelines-pro-type-const-cast): the world is not const
+  return field;
 }
 
 void ModelWorld::restore_fields() {

@@ -90,7 +90,7 @@ class ModelWorld {
 
  private:
   void require_open() const;
-  [[nodiscard]] Field const& find_field(std::string const& name) const;
+  [[nodiscard]] Field& find_field(std::string const& name) const;
   /// Returns a field to be changed, and keeps a copy of what it was.
   Field& field_to_change(std::string const& name);
   [[nodiscard]] Vector place_of(std::size_t row) const;

@@ -64,6 +64,12 @@ double covered_area(AgentsView const& agents) {
   return std::numbers::pi * sum;
 }
 
+double mean_diameter(Disks const& disks) {
+  double sum = 0.0;
+  for (double const radius : disks.column<Radius>()) sum += 2.0 * radius;
+  return sum / static_cast<double>(disks.size());
+}
+
 DisksOverview overview_of(Disks const& disks) {
   return {.count = disks.size(),
           .radii = radius_range(disks),

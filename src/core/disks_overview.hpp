@@ -19,4 +19,7 @@ struct DisksOverview {
 
 DisksOverview overview_of(Disks const& disks);
 
+/// Returns the mean diameter. Contract: there are disks.
+double mean_diameter(Disks const& disks);
+
 }  // namespace gridlock

@@ -11,7 +11,7 @@
 #include "gridlock/core/spread.hpp"
 
 // This file is written once with Google Highway and compiled once for every target below, because it includes itself;
-// target() chooses the kernel. SVE is left out: its registers have no fixed size.
+// target() chooses the kernel. SVE is left out, as everywhere, and so are targets that target() does not name.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/spread_highway.cpp"

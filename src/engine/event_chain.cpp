@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/disks_overview.hpp"
 #include "core/temperature.hpp"
 #include "engine/chain/chains.hpp"
 #include "gridlock/core/error.hpp"
@@ -24,7 +25,7 @@ void require_periodic_sides(State const& state) {
                  .hint = "use box.edge = \"periodic\", or engine.kind = \"exact\"",
                  .key = "box.edge"});
   }
-  double const needed = chain::least_side * largest_contact_distance(state.agents.column<Radius>());
+  double const needed = chain::min_side * largest_contact_distance(state.agents.column<Radius>());
   if (state.agents.size() < 2 || state.box.shortest_period() >= needed) return;
   throw Error({.what = fmt::format("the box of {} × {} is too small for event chains: these disks need sides of at "
                                    "least {:.6g}",
@@ -57,12 +58,6 @@ void require_newtonian(Disks const& disks) {
 double contacts_of_chain(EngineSettings const& settings, double disks) {
   if (settings.chain_length) return static_cast<double>(*settings.chain_length);
   return std::min(300.0, 8.0 * std::sqrt(disks));
-}
-
-double mean_diameter_of(Disks const& disks) {
-  double sum = 0.0;
-  for (double const radius : disks.column<Radius>()) sum += 2.0 * radius;
-  return sum / static_cast<double>(disks.size());
 }
 
 std::string_view unused_in_event_chain(EngineSettings const& /*settings*/, std::string_view setting) {
@@ -100,7 +95,7 @@ EventChainEngine::EventChainEngine(EngineSettings const& settings, State const& 
   // along a chain, about π/4 diameters, over the way between two contacts.
   double const packing_fraction = packing_fraction_of(state);
   double const excess = std::min(2.0 * packing_fraction / ((1.0 - packing_fraction) * (1.0 - packing_fraction)), 9.2);
-  double const diameter = mean_diameter_of(disks);
+  double const diameter = mean_diameter(disks);
   double const kt = temperature(state).value_or(0.0);
   double const squared_speed = 2.0 * kinetic_energy(disks) / (count * mean_mass(disks));
   if (kt > 0.0) speed_ = std::sqrt(2.0 * kt / mean_mass(disks));

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "core/disks_overview.hpp"
 #include "engine/swap/area.hpp"
 #include "engine/swap/relaxation.hpp"
 #include "engine/swap/trials.hpp"
@@ -115,7 +116,7 @@ struct SwapMonteCarlo::Progress {
       : settings(wanted),
         adjusting_sweeps(
             wanted.step ? 0 : static_cast<std::uint64_t>(wanted.adjusting * static_cast<double>(wanted.sweeps))),
-        diameter(mean_diameter(state)),
+        diameter(mean_diameter(state.agents)),
         longest_step(0.5 * std::min(state.box.width(), state.box.height())),
         step(std::min(longest_step, diameter * wanted.step.value_or(first_step))),
         relaxation(state, wanted.sweeps - adjusting_sweeps) {

@@ -11,6 +11,7 @@
 #include "core/saturating.hpp"
 #include "core/sorted.hpp"
 #include "gridlock/core/error.hpp"
+#include "simulation/decades.hpp"
 
 namespace gridlock {
 
@@ -110,9 +111,8 @@ FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_ste
   if (settings.per_decade > 0) {
     if (origin_every_ > 0) after_origin_.push_back(0);
     double const most = origin_every_ > 0 ? static_cast<double>(origin_every_) : max_steps;
-    double const share = 1.0 / static_cast<double>(settings.per_decade);
     for (double k = 0.0;; ++k) {
-      double const steps = std::floor(std::pow(10.0, k * share) + 0.5);
+      double const steps = whole_number_in_decades(k, settings.per_decade);
       if (!(steps < most)) break;
       (origin_every_ > 0 ? after_origin_ : steps_).push_back(static_cast<std::uint64_t>(steps));
     }

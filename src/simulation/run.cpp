@@ -14,6 +14,7 @@
 #include "core/saturating.hpp"
 #include "gridlock/core/error.hpp"
 #include "simulation/countable_time.hpp"
+#include "simulation/decades.hpp"
 #include "simulation/notes_on_run.hpp"
 
 namespace gridlock {
@@ -34,7 +35,7 @@ namespace {
 
 /// Returns sample k of `per_decade` in each decade, in intervals.
 std::uint64_t logarithmic_sample(double k, std::uint64_t per_decade) {
-  double const intervals = std::floor(std::pow(10.0, k / static_cast<double>(per_decade)) + 0.5);
+  double const intervals = whole_number_in_decades(k, per_decade);
   return intervals < 0x1p63 ? static_cast<std::uint64_t>(intervals) : never_reached;
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -119,8 +118,7 @@ std::string Replay::difference_of_observables(std::vector<double> const& recorde
     if (place == names.end()) return fmt::format("no observable {}, which the replay has", columns[k].name);
     double const value = sample_.values()->empty() ? no_value : (*sample_.values())[k];
     double const in_file = recorded[static_cast<std::size_t>(place - names.begin())];
-    bool const has_no_value = std::isnan(in_file) && std::isnan(value);
-    if (has_no_value || word_of(in_file) == word_of(value)) continue;
+    if (is_same_number(in_file, value)) continue;
     return fmt::format("{} = {}, where the replay has {}", columns[k].name, in_file, value);
   }
   return "";

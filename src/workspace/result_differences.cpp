@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 std::string name_of(std::filesystem::path const& file) { return file.filename().string(); }
 
-bool is_same(double one, double other) { return (one != one && other != other) || word_of(one) == word_of(other); }
+bool is_same(double one, double other) { return is_same_number(one, other); }
 
 bool is_same(std::string const& one, std::string const& other) { return one == other; }
 
@@ -63,6 +64,10 @@ Json repeatable_entries(Json json) {
 }
 
 }  // namespace
+
+bool is_same_number(double one, double other) {
+  return (std::isnan(one) && std::isnan(other)) || word_of(one) == word_of(other);
+}
 
 std::string difference_of_table(std::filesystem::path const& file, Table const& replay) {
   Table const recorded = read_csv(file);
@@ -111,7 +116,7 @@ std::string difference_of_fields(std::span<Field const> recorded, std::span<Fiel
     }
     for (std::size_t cell = 0; cell < present.size(); ++cell) {
       double const before = found->values()[cell];
-      if (is_same(before, present.values()[cell])) continue;
+      if (is_same_number(before, present.values()[cell])) continue;
       return fmt::format("{} = {} in row {}, column {}, where the replay has {}", present.name(), before,
                          cell / present.columns(), cell % present.columns(), present.values()[cell]);
     }

@@ -13,6 +13,9 @@ namespace gridlock {
 // nothing if there is none. Columns and entries that only the file has are left out: the program that made the run may
 // have added observables of its own.
 
+/// Returns whether two numbers have the same bits, or both are no number.
+bool is_same_number(double one, double other);
+
 /// Compares a table, column by column. Errors: Error for a file that is no table.
 std::string difference_of_table(std::filesystem::path const& file, Table const& replay);
 

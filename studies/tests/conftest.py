@@ -1,6 +1,9 @@
-"""Ctrl-C and the playground, as the tests of the package have them."""
+"""Ctrl-C and the playground, as the tests of the package have them, and tables of studies."""
 
+import csv
+import gzip
 import os
+import pathlib
 import signal
 
 import pytest
@@ -15,3 +18,12 @@ def hears_ctrl_c():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+def rows_of(file):
+    """The rows of a table, packed or not."""
+    file = pathlib.Path(file)
+    if not file.exists():
+        file = file.with_name(file.name + ".gz")
+    with (gzip.open if file.suffix == ".gz" else open)(file, "rt", newline="") as lines:
+        return list(csv.DictReader(lines))

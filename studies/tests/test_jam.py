@@ -1,7 +1,6 @@
 """The study of jamming: made whole on a toy, continued, refused; its numbers beside those of the definitions."""
 
 import base64
-import csv
 import dataclasses
 import json
 import math
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import rows_of
 from gridlock_studies import jam
 from gridlock_studies.commands.jam import main
 from gridlock_studies.jam import figure_1, figure_3, figure_7
@@ -27,11 +27,6 @@ TINY = dataclasses.replace(
     growth_rates=(5e-2,), growth_disks=36, growth_starts=2, equal_disks=36, equal_starts=2,
     sheared_disks=36, sheared_starts=2, sheared_strain=0.6, flow_disks=36, flow_starts=2, flow_rates=(1e-2, 1e-3), flow_strain=0.5,
     slow_disks=36, slow_starts=2, slow_strain=0.5, slow_densities=(0.86, 0.9))
-
-
-def rows_of(file):
-    with open(file, newline="") as lines:
-        return list(csv.DictReader(lines))
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The study of melting: made whole on a toy, continued, refused; its constructions beside what is known exactly."""
 
-import csv
 import json
 import math
 import pathlib
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import rows_of
 from gridlock_studies import melt
 from gridlock_studies.commands.melt import main
 from gridlock_studies.melt import figure_1, theory
@@ -25,11 +25,6 @@ TINY = melt.Extent(
 PICTURES = {"figure_1", "figure_2_order", "figure_2_susceptibility", "figure_2_distribution", "figure_3", "figure_4_correlation",
             "figure_4_peak", "figure_5", "figure_6", "figure_7"}
 TABLES = {*(f"figure_{number}" for number in range(1, 8)), "figure_4_peaks", "runs"}
-
-
-def rows_of(file):
-    with open(file, newline="") as lines:
-        return list(csv.DictReader(lines))
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,7 @@
 """The study of the paper: made whole, stopped and continued, killed, refused; its numbers beside those that were kept."""
 
 import base64
-import csv
 import dataclasses
-import gzip
 import html.parser
 import importlib.util
 import os
@@ -21,6 +19,7 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import rows_of
 from gridlock_studies import paper
 from gridlock_studies.commands.paper import main
 from gridlock_studies.paper import Length, figure_6, figure_7, open_choices, step_cost, turn_order
@@ -46,14 +45,6 @@ TABLES = ("runs", "figure_4", "figure_5", "figure_6", "figure_7", "figure_7_theo
 def names_in(directory):
     """All files but hidden ones such as the list of what --overwrite may remove."""
     return {path.name for path in pathlib.Path(directory).iterdir() if not path.name.startswith(".")}
-
-
-def rows_of(file):
-    file = pathlib.Path(file)
-    if not file.exists():
-        file = file.with_name(file.name + ".gz")
-    with (gzip.open if file.suffix == ".gz" else open)(file, "rt", newline="") as lines:
-        return list(csv.DictReader(lines))
 
 
 def tables_in(directory):

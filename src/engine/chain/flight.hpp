@@ -19,8 +19,8 @@ enum class Way { right, up, by_velocity };
 /// The longest flight that is looked at at once, in largest contact distances. Where a disk flies farther, it stops and
 /// goes on, so that the rounding of its place depends on no cells.
 inline constexpr double longest_flight = 0.75;
-/// The least side of a box in largest contact distances: no image of a disk that can be met is then mistaken.
-inline constexpr double least_side = 4.0;
+/// The shortest side of a box in largest contact distances: no image of a disk that can be met is then mistaken.
+inline constexpr double min_side = 4.0;
 
 /// A disk that is about to move.
 struct Flight {

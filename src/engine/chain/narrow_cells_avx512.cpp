@@ -49,9 +49,9 @@ struct WindowShape {
 /// Lower bounds of paths with their lanes in the last six bits, so that the least key names its lane.
 /// Disks are `ahead` along and `aside` of the way of the moving disk. Places are so near that single precision errs by
 /// less than 10⁻⁶ of the contact distance, and `squared` is larger than its square by 8 · 10⁻⁶.
-GRIDLOCK_AVX512 inline Keys keys(Wide ahead, Wide aside, Wide squared, Wide least_ahead, Keys lanes) {
+GRIDLOCK_AVX512 inline Keys keys(Wide ahead, Wide aside, Wide squared, Wide min_ahead, Keys lanes) {
   Wide const radicand = _mm512_fnmadd_ps(aside, aside, squared);
-  __mmask16 const front = _mm512_cmp_ps_mask(ahead, least_ahead, _CMP_GT_OQ);
+  __mmask16 const front = _mm512_cmp_ps_mask(ahead, min_ahead, _CMP_GT_OQ);
   __mmask16 const hits = _mm512_mask_cmp_ps_mask(front, radicand, _mm512_setzero_ps(), _CMP_GT_OQ);
   Wide const path = _mm512_max_ps(_mm512_sub_ps(ahead, _mm512_sqrt_ps(radicand)), _mm512_setzero_ps());
   Keys const cut = _mm512_and_epi32(_mm512_castps_si512(path), _mm512_set1_epi32(~63));
@@ -320,14 +320,14 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& co
   }
   auto const rough_contact = static_cast<float>(contact_);
   float square = rough_contact * rough_contact * (1.0F + 8e-6F);
-  float least_ahead = -2e-6F * rough_contact;
+  float min_ahead = -2e-6F * rough_contact;
   Wide u{};
   Wide v{};
   if constexpr (way == Way::by_velocity) {
     auto const rough_u = static_cast<float>(flight.velocity.x);
     auto const rough_v = static_cast<float>(flight.velocity.y);
     square *= rough_u * rough_u + rough_v * rough_v;
-    least_ahead *= std::abs(rough_u) + std::abs(rough_v);
+    min_ahead *= std::abs(rough_u) + std::abs(rough_v);
     u = _mm512_set1_ps(rough_u);
     v = _mm512_set1_ps(rough_v);
   }
@@ -342,7 +342,7 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& co
       aside = _mm512_fmsub_ps(x[k], v, _mm512_mul_ps(y[k], u));
     }
     found[k] =
-        keys(ahead, aside, _mm512_set1_ps(square), _mm512_set1_ps(least_ahead), _mm512_load_si512(w.lane + 16 * k));
+        keys(ahead, aside, _mm512_set1_ps(square), _mm512_set1_ps(min_ahead), _mm512_load_si512(w.lane + 16 * k));
   }
   Keys all = _mm512_min_epu32(found[0], found[1]);
   if constexpr (registers == 4) all = _mm512_min_epu32(all, _mm512_min_epu32(found[2], found[3]));

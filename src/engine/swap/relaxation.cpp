@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/bond_direction.hpp"
+#include "core/disks_overview.hpp"
 
 namespace gridlock {
 
@@ -55,17 +56,11 @@ Vector relative_position(SwapTrials const& trials, std::size_t i, Neighbours con
 
 }  // namespace
 
-double mean_diameter(State const& state) {
-  double sum = 0.0;
-  for (double const radius : state.agents.column<Radius>()) sum += 2.0 * radius;
-  return sum / static_cast<double>(state.agents.size());
-}
-
 Relaxation::Relaxation(State const& state, std::uint64_t sweeps)
     : disks_(state.agents.size()),
       stride_((disks_ + max_watched - 1) / max_watched),
       neighbour_distance_(distance_of_neighbours(state)),
-      squared_cage_(cage * mean_diameter(state) * cage * mean_diameter(state)),
+      squared_cage_(cage * mean_diameter(state.agents) * cage * mean_diameter(state.agents)),
       spacing_(std::max<std::uint64_t>(1, (sweeps + origins_in_a_run - 1) / origins_in_a_run)) {}
 
 bool Relaxation::is_short_lag(std::uint64_t lag) const {

@@ -12,9 +12,6 @@
 
 namespace gridlock {
 
-/// Returns the mean diameter of the disks.
-double mean_diameter(State const& state);
-
 /// Time correlations of a run of swap Monte Carlo.
 ///
 /// There are sixteen time origins, a sixteenth of the run apart. Between origins the disks are compared with the last

@@ -118,7 +118,10 @@ const DISKS: Readonly<Record<string, string>> = {
 };
 
 function chains(kind: string, disks: string): string {
-  return `${PERIODIC}box.width = 1.2\nbox.height = 0.8\n${disks}\nvelocities.kind = "maxwell"\nengine.chains = "${kind}"\nengine.chain_length = 50\nrun.time = 1`;
+  return (
+    `${PERIODIC}box.width = 1.2\nbox.height = 0.8\n${disks}\nvelocities.kind = "maxwell"\n` +
+    `engine.chains = "${kind}"\nengine.chain_length = 50\nrun.time = 1`
+  );
 }
 
 const SOFT = PERIODIC + "box.width = 1.2\ndisks.count = 300\ndisks.packing_fraction = 0.6\nengine.speed = 1\nrun.time = 0.1\n";
