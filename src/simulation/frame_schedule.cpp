@@ -111,8 +111,9 @@ FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_ste
   if (settings.per_decade > 0) {
     if (origin_every_ > 0) after_origin_.push_back(0);
     double const most = origin_every_ > 0 ? static_cast<double>(origin_every_) : max_steps;
+    double const share = 1.0 / static_cast<double>(settings.per_decade);
     for (double k = 0.0;; ++k) {
-      double const steps = whole_number_in_decades(k, settings.per_decade);
+      double const steps = rounded_power_of_ten(k * share);
       if (!(steps < most)) break;
       (origin_every_ > 0 ? after_origin_ : steps_).push_back(static_cast<std::uint64_t>(steps));
     }

@@ -35,7 +35,7 @@ namespace {
 
 /// Returns sample k of `per_decade` in each decade, in intervals.
 std::uint64_t logarithmic_sample(double k, std::uint64_t per_decade) {
-  double const intervals = whole_number_in_decades(k, per_decade);
+  double const intervals = rounded_power_of_ten(k / static_cast<double>(per_decade));
   return intervals < 0x1p63 ? static_cast<std::uint64_t>(intervals) : never_reached;
 }
 
