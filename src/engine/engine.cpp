@@ -243,7 +243,7 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                                   "about as many contacts as there are disks.",
                  .min = 1,
                  .max = 1e9,
-                 .default_note = "8 √N, and 300 at most"},
+                 .default_note = "8 √N, and 1,000 at most"},
                 settings.chain_length);
   describe_threads(settings, visitor);
 }

@@ -57,7 +57,7 @@ void require_newtonian(Disks const& disks) {
 /// Contacts of a chain, so that a straight one goes around a small box once at most.
 double contacts_of_chain(EngineSettings const& settings, double disks) {
   if (settings.chain_length) return static_cast<double>(*settings.chain_length);
-  return std::min(300.0, 8.0 * std::sqrt(disks));
+  return std::min(1000.0, 8.0 * std::sqrt(disks));
 }
 
 std::string_view unused_in_event_chain(EngineSettings const& /*settings*/, std::string_view setting) {

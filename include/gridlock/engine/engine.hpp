@@ -146,7 +146,7 @@ struct EngineSettings {
   std::uint64_t audit_every = 0;  ///< exact: pair collisions between two audits; 0: never
   GridKind grid = GridKind::packed;
   ChainKind chains = ChainKind::straight;     ///< event_chain: how disks move
-  std::optional<std::uint64_t> chain_length;  ///< event_chain: contacts of a chain; default: 8 √N, 300 at most
+  std::optional<std::uint64_t> chain_length;  ///< event_chain: contacts of a chain; default: 8 √N, 1,000 at most
   std::uint64_t threads = 0;                  ///< exact and tiled: number of threads; 0: one for each core
   ThermostatSettings thermostat = {};         ///< exact and soft: the settings `[thermostat]`
   CollisionSettings collisions = {};          ///< exact: the settings `[collisions]`

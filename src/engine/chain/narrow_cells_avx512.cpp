@@ -1,9 +1,10 @@
 #include "core/avx512.hpp"
 #include "engine/chain/chains.hpp"
 
-// For equal disks a cell is so narrow, at most σ/√2, that it holds one disk at most. So a grid of floats relative to
-// the cells is all that a search reads: no counts, no lists, no names of disks. One row of cells is one load. Single
-// precision finds who may be met first, and double precision decides.
+// For equal disks a cell is so narrow, at most σ/√2, that it holds one disk at most. So a grid of places relative to
+// the cells, in 16 bits each, is all that a search reads: no counts, no lists, no names of disks. One row of cells is
+// one load. Single precision finds who may be met first, and double precision decides. The next search begins in the
+// cell of the disk that is met, while double precision is still at work.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
@@ -24,17 +25,36 @@ namespace {
 using Wide = __m512;
 using Keys = __m512i;
 
-constexpr float nowhere = 1e10F;  ///< both coordinates of an empty cell
-constexpr int margin = 3;         ///< columns and rows of copies at each edge
+constexpr float nowhere = 1e10F;      ///< both coordinates of a lane without a cell
+constexpr int margin = 3;             ///< columns and rows of copies at each edge
+constexpr double units = 65536.0;     ///< of a coordinate in a cell
+constexpr std::uint32_t empty = ~0U;  ///< no rough place: those of disks end at 65,534
+/// Single precision knows each coordinate of a separation to this, in contact distances: four units.
+constexpr float roughness = 4.5e-5F;
 
-enum NearEdge : std::uint8_t { left = 1, right = 2, bottom = 4, top = 8 };
+/// Column and row of a cell, counted from those of the copies: in one number, which the next search has sooner than two.
+class Cell {
+ public:
+  Cell() = default;
+  Cell(int column, int row) : bits_(static_cast<std::uint32_t>(column) + (static_cast<std::uint32_t>(row) << 16)) {}
+  [[nodiscard]] int column() const { return static_cast<int>(bits_ & 0xFFFFU); }
+  [[nodiscard]] int row() const { return static_cast<int>(bits_ >> 16); }
+  friend Cell operator+(Cell cell, Cell step) {
+    cell.bits_ += step.bits_;
+    return cell;
+  }
+  friend bool operator==(Cell, Cell) = default;
+
+ private:
+  std::uint32_t bits_ = 0;
+};
 
 /// Lanes of a window of cells: places relative to the cell of the moving disk, and steps to the cells.
 struct Window {
-  alignas(64) float column[64];
-  alignas(64) float row[64];
+  alignas(64) float x[64];
+  alignas(64) float y[64];
   alignas(64) int lane[64];
-  int step[64];
+  Cell step[64];
 };
 
 /// Rows and columns of cells, in units of the shortest distance of two disks.
@@ -47,13 +67,13 @@ struct WindowShape {
 };
 
 /// Lower bounds of paths with their lanes in the last six bits, so that the least key names its lane.
-/// Disks are `ahead` along and `aside` of the way of the moving disk. Places are so near that single precision errs by
-/// less than 10⁻⁶ of the contact distance, and `squared` is larger than its square by 8 · 10⁻⁶.
-GRIDLOCK_AVX512 inline Keys keys(Wide ahead, Wide aside, Wide squared, Wide min_ahead, Keys lanes) {
+/// Disks are `ahead` along and `aside` of the way of the moving disk, both to `roughness`; `squared` is larger than the
+/// square of their contact distance by what makes up for both errors and for that of the reciprocal square root, 2⁻¹⁴.
+GRIDLOCK_AVX512 inline Keys keys(__mmask16 disks, Wide ahead, Wide aside, Wide squared, Wide min_ahead, Keys lanes) {
   Wide const radicand = _mm512_fnmadd_ps(aside, aside, squared);
-  __mmask16 const front = _mm512_cmp_ps_mask(ahead, min_ahead, _CMP_GT_OQ);
+  __mmask16 const front = _mm512_mask_cmp_ps_mask(disks, ahead, min_ahead, _CMP_GT_OQ);
   __mmask16 const hits = _mm512_mask_cmp_ps_mask(front, radicand, _mm512_setzero_ps(), _CMP_GT_OQ);
-  Wide const path = _mm512_max_ps(_mm512_sub_ps(ahead, _mm512_sqrt_ps(radicand)), _mm512_setzero_ps());
+  Wide const path = _mm512_max_ps(_mm512_fnmadd_ps(radicand, _mm512_rsqrt14_ps(radicand), ahead), _mm512_setzero_ps());
   Keys const cut = _mm512_and_epi32(_mm512_castps_si512(path), _mm512_set1_epi32(~63));
   return _mm512_mask_or_epi32(_mm512_set1_epi32(std::numeric_limits<int>::max()), hits, cut, lanes);
 }
@@ -66,14 +86,20 @@ GRIDLOCK_AVX512 inline std::uint64_t lanes_below(Keys bound, Keys found, unsigne
   return static_cast<std::uint64_t>(_mm512_cmple_epu32_mask(found, bound)) << first_lane;
 }
 
-GRIDLOCK_AVX512 inline Wide two_rows(float const* lower, float const* upper) {
-  return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(lower)), _mm256_loadu_ps(upper), 1);
+GRIDLOCK_AVX512 inline __m128i four_cells(std::uint32_t const* first) {
+  return _mm_loadu_si128(reinterpret_cast<__m128i const*>(first));
 }
-GRIDLOCK_AVX512 inline Wide four_rows(float const* first, std::ptrdiff_t stride) {
-  Wide rows = _mm512_castps128_ps512(_mm_loadu_ps(first));
-  rows = _mm512_insertf32x4(rows, _mm_loadu_ps(first + stride), 1);
-  rows = _mm512_insertf32x4(rows, _mm_loadu_ps(first + 2 * stride), 2);
-  return _mm512_insertf32x4(rows, _mm_loadu_ps(first + 3 * stride), 3);
+GRIDLOCK_AVX512 inline __m256i eight_cells(std::uint32_t const* first) {
+  return _mm256_loadu_si256(reinterpret_cast<__m256i const*>(first));
+}
+GRIDLOCK_AVX512 inline Keys two_rows(std::uint32_t const* first, std::ptrdiff_t stride) {
+  return _mm512_inserti32x8(_mm512_castsi256_si512(eight_cells(first)), eight_cells(first + stride), 1);
+}
+GRIDLOCK_AVX512 inline Keys four_rows(std::uint32_t const* first, std::ptrdiff_t stride) {
+  Keys rows = _mm512_castsi128_si512(four_cells(first));
+  rows = _mm512_inserti32x4(rows, four_cells(first + stride), 1);
+  rows = _mm512_inserti32x4(rows, four_cells(first + 2 * stride), 2);
+  return _mm512_inserti32x4(rows, four_cells(first + 3 * stride), 3);
 }
 
 /// The number of cells along a side, so that the diagonal of a cell is shorter than the contact distance.
@@ -91,6 +117,8 @@ class NarrowCells final : public ChainDisks {
         stride_(columns_ + 2 * margin + 8),
         width_(box_.width() / columns_),
         height_(box_.height() / rows_),
+        unit_x_(static_cast<float>(width_ / units)),
+        unit_y_(static_cast<float>(height_ / units)),
         per_width_(columns_ / box_.width()),
         per_height_(rows_ / box_.height()),
         row_in_state_(rows_in_order(state.agents.ids())),
@@ -98,19 +126,16 @@ class NarrowCells final : public ChainDisks {
         around_(window({-3, 7, -3, 7, 8})),
         above_(window({0, 4, -2, 5, 8})),
         to_the_right_(window({-2, 5, 0, 4, 4})) {
-    auto const size = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows_ + 2 * margin);
-    rough_x_.assign(size, nowhere);
-    rough_y_.assign(size, nowhere);
+    auto const size =
+        static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows_ + 2 * margin + 10);  // for fetch_ahead()
+    is_large_ = size > 500'000;
+    rough_.assign(size, empty);
     numbers_.assign(size, nobody);
-    edges_.assign(size, 0);
-    for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column) edges_[index(at(row, column))] = edges_near(row, column);
-    }
     // Disks lie in memory as they lie in the box.
     std::vector<std::pair<int, Number>> order;
     order.reserve(row_in_state_.size());
     for (std::uint32_t const row : row_in_state_) {
-      order.emplace_back(spot_of(position(state.agents, row)).cell, static_cast<Number>(order.size()));
+      order.emplace_back(at(spot_of(position(state.agents, row)).cell), static_cast<Number>(order.size()));
     }
     std::ranges::sort(order);
     by_id_.resize(order.size());
@@ -119,34 +144,34 @@ class NarrowCells final : public ChainDisks {
       by_id_[order[disk].second] = disk;
       row_in_state_[disk] = rows[order[disk].second];
     }
-    disks_.reserve(row_in_state_.size());
+    places_.reserve(row_in_state_.size());
+    velocities_.reserve(row_in_state_.size());
     for (std::uint32_t const row : row_in_state_) {
-      Vector const place = position(state.agents, row);
-      Spot const spot = spot_of(place);
-      put(spot, static_cast<Number>(disks_.size()));
-      disks_.push_back({place, gridlock::velocity(state.agents, row), spot.cell});
+      put(spot_of(position(state.agents, row)), static_cast<Number>(places_.size()));
+      places_.push_back(position(state.agents, row));
+      velocities_.push_back(gridlock::velocity(state.agents, row));
     }
   }
 
   /// Whether all disks are in cells of their own, as disks without overlaps are.
   [[nodiscard]] bool are_apart() const {
-    for (Number disk = 0; disk < disks_.size(); ++disk) {
-      if (numbers_[index(disks_[disk].cell)] != disk) return false;
+    for (Number disk = 0; disk < places_.size(); ++disk) {
+      if (numbers_[index(at(spot_of(places_[disk]).cell))] != disk) return false;
     }
     return true;
   }
 
   [[nodiscard]] GRIDLOCK_AVX512 ChainSums take(StepOfChains const& step) override {
-    return take_step(*this, disks_.size(), step);
+    return take_step(*this, places_.size(), step);
   }
   void write_back(State& state) const override {
     Disks& to = state.agents;
-    for (Number disk = 0; disk < disks_.size(); ++disk) {
+    for (Number disk = 0; disk < places_.size(); ++disk) {
       std::uint32_t const row = row_in_state_[disk];
-      to.column<X>()[row] = disks_[disk].place.x;
-      to.column<Y>()[row] = disks_[disk].place.y;
-      to.column<VelocityX>()[row] = disks_[disk].velocity.x;
-      to.column<VelocityY>()[row] = disks_[disk].velocity.y;
+      to.column<X>()[row] = places_[disk].x;
+      to.column<Y>()[row] = places_[disk].y;
+      to.column<VelocityX>()[row] = velocities_[disk].x;
+      to.column<VelocityY>()[row] = velocities_[disk].y;
     }
     for (Crossing const& crossing : crossings_) {
       to.column<ImageX>()[row_in_state_[crossing.disk]] += crossing.x;
@@ -156,22 +181,24 @@ class NarrowCells final : public ChainDisks {
 
   // For carry_out():
   [[nodiscard]] double longest_flight() const { return chain::longest_flight * contact_; }
-  [[nodiscard]] Number find(Number in_order) const { return by_id_[in_order]; }
-  [[nodiscard]] Vector place(Number disk) const { return disks_[disk].place; }
-  [[nodiscard]] Vector velocity(Number disk) const { return disks_[disk].velocity; }
-  void set_velocity(Number disk, Vector velocity) { disks_[disk].velocity = velocity; }
-  Vector move(Number number, Vector to) {
+  [[nodiscard]] Number find(Number in_order) {
+    Number const disk = by_id_[in_order];
+    cell_ = spot_of(places_[disk]).cell;
+    return disk;
+  }
+  [[nodiscard]] Vector place(Number disk) const { return places_[disk]; }
+  [[nodiscard]] Vector velocity(Number disk) const { return velocities_[disk]; }
+  void set_velocity(Number disk, Vector velocity) { velocities_[disk] = velocity; }
+  Vector move(Number disk, Vector to) {
     int crossed_x = 0;
     int crossed_y = 0;
-    Disk& disk = disks_[number];
-    disk.place = box_.wrap(to, crossed_x, crossed_y);
+    Vector const place = box_.wrap(to, crossed_x, crossed_y);
+    places_[disk] = place;
     if ((crossed_x | crossed_y) != 0) [[unlikely]]
-      crossings_.push_back({number, crossed_x, crossed_y});
-    pending_ = spot_of(disk.place);
-    left_cell_ = disk.cell;
-    moved_ = number;
-    disk.cell = pending_.cell;
-    return disk.place;
+      crossings_.push_back({disk, crossed_x, crossed_y});
+    pending_ = spot_of(place);
+    moved_ = disk;
+    return place;
   }
   void end_chain() {
     write_moved();
@@ -181,16 +208,10 @@ class NarrowCells final : public ChainDisks {
   GRIDLOCK_AVX512 void find_contact(Flight const& flight, Contact& contact);
 
  private:
-  struct Disk {
-    Vector place;
-    Vector velocity;
-    int cell;
-  };
   /// A cell, and a place relative to its corner.
   struct Spot {
-    int cell;
-    float x;
-    float y;
+    Cell cell;
+    std::uint32_t rough;
   };
   struct Crossing {
     Number disk;
@@ -199,17 +220,14 @@ class NarrowCells final : public ChainDisks {
   };
 
   static std::size_t index(int cell) { return static_cast<std::size_t>(cell); }
-  [[nodiscard]] int at(int row, int column) const { return (row + margin) * stride_ + column + margin; }
+  [[nodiscard]] int at(Cell cell) const { return cell.row() * stride_ + cell.column(); }
   [[nodiscard]] Spot spot_of(Vector place) const {
-    int const row = std::min(static_cast<int>(place.y * per_height_), rows_ - 1);
-    int const column = std::min(static_cast<int>(place.x * per_width_), columns_ - 1);
-    return {at(row, column), static_cast<float>(place.x - column * width_),
-            static_cast<float>(place.y - row * height_)};
-  }
-  /// Returns the edges near which a cell has copies.
-  [[nodiscard]] std::uint8_t edges_near(int row, int column) const {
-    return static_cast<std::uint8_t>((column < margin ? left : 0) | (column >= columns_ - margin ? right : 0) |
-                                     (row < margin ? bottom : 0) | (row >= rows_ - margin ? top : 0));
+    double const x = place.x * per_width_;
+    double const y = place.y * per_height_;
+    int const column = std::min(static_cast<int>(x), columns_ - 1);
+    int const row = std::min(static_cast<int>(y), rows_ - 1);
+    auto const rough = [](double inside) { return std::clamp(static_cast<int>(units * inside), 0, 65534); };
+    return {Cell(column + margin, row + margin), static_cast<std::uint32_t>(rough(x - column) | rough(y - row) << 16)};
   }
   [[nodiscard]] Window window(WindowShape const& shape) const {
     Window result{};
@@ -217,10 +235,10 @@ class NarrowCells final : public ChainDisks {
       int const row = shape.first_row + k / shape.lanes;
       int const column = shape.first_column + k % shape.lanes;
       bool const counts = k / shape.lanes < shape.rows && k % shape.lanes < shape.columns && (row != 0 || column != 0);
-      result.row[k] = counts ? static_cast<float>(row * height_) : nowhere;
-      result.column[k] = counts ? static_cast<float>(column * width_) : nowhere;
+      result.y[k] = counts ? static_cast<float>(row * height_) : nowhere;
+      result.x[k] = counts ? static_cast<float>(column * width_) : nowhere;
       result.lane[k] = k;
-      result.step[k] = row * stride_ + column;
+      result.step[k] = Cell(column, row);
     }
     return result;
   }
@@ -228,33 +246,69 @@ class NarrowCells final : public ChainDisks {
   /// narrow store to the same place would wait for it. The next flight cannot meet this disk.
   void write_moved() {
     if (moved_ == nobody) return;
-    if (left_cell_ != pending_.cell) put({left_cell_, nowhere, nowhere}, nobody);
+    if (left_cell_ != pending_.cell) put({left_cell_, empty}, nobody);
     put(pending_, moved_);
   }
   void put(Spot const& spot, Number number) {
-    std::size_t const cell = index(spot.cell);
-    rough_x_[cell] = spot.x;
-    rough_y_[cell] = spot.y;
+    std::size_t const cell = index(at(spot.cell));
+    rough_[cell] = spot.rough;
     numbers_[cell] = number;
-    if (edges_[cell] != 0) [[unlikely]]
+    auto const is_inside = [](int along, int cells) {
+      return static_cast<unsigned>(along - 2 * margin) < static_cast<unsigned>(cells - 2 * margin);
+    };
+    if (!is_inside(spot.cell.column(), columns_) || !is_inside(spot.cell.row(), rows_)) [[unlikely]]
       put_copies(spot, number);
   }
   /// With the instructions of its caller: others would have to wait for the upper halves of the registers.
   [[gnu::noinline]] GRIDLOCK_AVX512 void put_copies(Spot const& spot, Number number) {
-    unsigned const edges = edges_[index(spot.cell)];
-    int const column = (edges & left) != 0 ? columns_ : (edges & right) != 0 ? -columns_ : 0;
-    int const row = stride_ * ((edges & bottom) != 0 ? rows_ : (edges & top) != 0 ? -rows_ : 0);
-    for (int const step : {row, column, row + column}) {
-      std::size_t const cell = index(spot.cell + step);
-      rough_x_[cell] = spot.x;
-      rough_y_[cell] = spot.y;
+    auto const step = [](int along, int cells) { return along < 2 * margin ? cells : along >= cells ? -cells : 0; };
+    int const column = step(spot.cell.column(), columns_);
+    int const row = stride_ * step(spot.cell.row(), rows_);
+    for (int const away : {row, column, row + column}) {
+      std::size_t const cell = index(at(spot.cell) + away);
+      rough_[cell] = spot.rough;
       numbers_[cell] = number;
     }
   }
+  /// Asks for the memory that a straight chain reads some contacts later, of which the processor knows nothing.
+  /// Inlined, for a function that returns nothing and writes nothing may be left out by the compiler.
   template <Way way>
-  void look(Number other, Flight const& flight, Contact& contact) const {
+  [[gnu::always_inline]] void fetch_ahead(int cell) const {
+    int const along = way == Way::right ? 1 : stride_;
+    int const aside = way == Way::right ? stride_ : 1;
+    int const far = cell + (way == Way::right ? 40 : 8 * stride_);
+    if constexpr (way == Way::right) {
+      for (int k = -2; k <= 2; ++k) {
+        __builtin_prefetch(rough_.data() + far + k * stride_);
+        __builtin_prefetch(numbers_.data() + far + k * stride_);
+      }
+    } else {
+      for (int const row : {far, far + stride_}) {
+        __builtin_prefetch(rough_.data() + row - 2);
+        __builtin_prefetch(rough_.data() + row + 4);
+        __builtin_prefetch(numbers_.data() + row);
+      }
+    }
+    for (int k = -1; k <= 1; ++k) {
+      int const near = cell + 5 * along + k * aside;
+      Number const disk = numbers_[index(near)] != nobody ? numbers_[index(near)] : numbers_[index(near + along)];
+      if (disk != nobody) __builtin_prefetch(places_.data() + disk);
+    }
+  }
+  /// Looks at the disk in a lane of the window around `from`.
+  template <Way way>
+  void look(Window const& w, unsigned lane, Cell from, Flight const& flight, Contact& contact) {
+    Cell const cell = from + w.step[lane];
+    Number const other = numbers_[index(at(cell))];
     if (other == nobody) return;
-    meet<way>(flight, box_.displacement_inside(flight.place, disks_[other].place), contact_ * contact_, other, contact);
+    if (!meet<way>(flight, box_.displacement_inside(flight.place, places_[other]), contact_ * contact_, other,
+                   contact)) {
+      return;
+    }
+    auto const step = [](int along, int cells) {
+      return along < margin ? cells : along >= cells + margin ? -cells : 0;
+    };
+    cell_ = cell + Cell(step(cell.column(), columns_), step(cell.row(), rows_));
   }
 
   Box box_;
@@ -264,21 +318,24 @@ class NarrowCells final : public ChainDisks {
   int stride_;
   double width_;
   double height_;
+  float unit_x_;
+  float unit_y_;
   double per_width_;
   double per_height_;
   std::vector<std::uint32_t> row_in_state_;
   Window around_;
   Window above_;
   Window to_the_right_;
-  std::vector<float> rough_x_;  ///< relative to the corner of the cell, with copies
-  std::vector<float> rough_y_;
-  std::vector<Number> numbers_;      ///< of the disks in the cells, with copies
-  std::vector<std::uint8_t> edges_;  ///< by cell
-  std::vector<Disk> disks_;
+  bool is_large_ = false;             ///< whether fetch_ahead() pays: the cells exceed the cache next to the core
+  std::vector<std::uint32_t> rough_;  ///< places relative to the corner of the cell, x below y, with copies
+  std::vector<Number> numbers_;       ///< of the disks in the cells, with copies
+  std::vector<Vector> places_;        ///< by number
+  std::vector<Vector> velocities_;
   std::vector<Number> by_id_;  ///< numbers of the disks in the order of the Ids
   std::vector<Crossing> crossings_;
+  Cell cell_;              ///< of the disk that moves next
   Number moved_ = nobody;  ///< the disk that has moved and is not yet in its cell
-  int left_cell_ = 0;
+  Cell left_cell_;
   Spot pending_{};
 };
 
@@ -287,40 +344,36 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& co
   constexpr bool to_right = way == Way::right;
   constexpr int registers = way == Way::by_velocity ? 4 : 2;
   Window const& w = way == Way::by_velocity ? around_ : to_right ? to_the_right_ : above_;
-  if (moved_ == flight.disk) [[unlikely]]
+  if (moved_ == flight.disk) [[unlikely]] {
     write_moved();
-  int const cell = disks_[flight.disk].cell;
-  int const first = cell + w.step[0];
-  float const* const xs = rough_x_.data() + first;
-  float const* const ys = rough_y_.data() + first;
-  Wide const self_x = _mm512_set1_ps(rough_x_[index(cell)]);
-  Wide const self_y = _mm512_set1_ps(rough_y_[index(cell)]);
-  Wide x[registers];
-  Wide y[registers];
+    cell_ = pending_.cell;
+  }
+  Cell const cell = cell_;
+  std::uint32_t const self = rough_[index(at(cell))];
+  std::uint32_t const* const first = rough_.data() + at(cell + w.step[0]);
+  Keys cells[registers];
   std::ptrdiff_t const stride = stride_;
   if constexpr (to_right) {
-    x[0] = four_rows(xs, stride);
-    y[0] = four_rows(ys, stride);
-    x[1] = _mm512_zextps128_ps512(_mm_loadu_ps(xs + 4 * stride));
-    y[1] = _mm512_zextps128_ps512(_mm_loadu_ps(ys + 4 * stride));
+    cells[0] = four_rows(first, stride);
+    cells[1] = _mm512_zextsi128_si512(four_cells(first + 4 * stride));
   } else {
     for (std::ptrdiff_t k = 0; k < (way == Way::by_velocity ? 3 : 2); ++k) {
-      x[k] = two_rows(xs + 2 * k * stride, xs + (2 * k + 1) * stride);
-      y[k] = two_rows(ys + 2 * k * stride, ys + (2 * k + 1) * stride);
+      cells[k] = two_rows(first + 2 * k * stride, stride);
     }
-    if constexpr (way == Way::by_velocity) {
-      x[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(xs + 6 * stride));
-      y[3] = _mm512_zextps256_ps512(_mm256_loadu_ps(ys + 6 * stride));
-    }
+    if constexpr (way == Way::by_velocity) cells[3] = _mm512_zextsi256_si512(eight_cells(first + 6 * stride));
   }
+  if (way != Way::by_velocity && is_large_) fetch_ahead<way>(at(cell));
   write_moved();
+  left_cell_ = cell;
   if (way == Way::by_velocity && !(flight.square > 1e-20 && flight.square < 1e20)) [[unlikely]] {
-    for (unsigned lane = 0; lane < 64; ++lane) look<way>(numbers_[index(cell + w.step[lane])], flight, contact);
+    for (unsigned lane = 0; lane < 64; ++lane) {
+      if (w.x[lane] != nowhere) look<way>(w, lane, cell, flight, contact);
+    }
     return;
   }
   auto const rough_contact = static_cast<float>(contact_);
-  float square = rough_contact * rough_contact * (1.0F + 8e-6F);
-  float min_ahead = -2e-6F * rough_contact;
+  float square = rough_contact * rough_contact * (1.0F + 9.0F * roughness);
+  float min_ahead = -1.1F * roughness * rough_contact;
   Wide u{};
   Wide v{};
   if constexpr (way == Way::by_velocity) {
@@ -331,30 +384,35 @@ GRIDLOCK_AVX512 void NarrowCells::find_contact(Flight const& flight, Contact& co
     u = _mm512_set1_ps(rough_u);
     v = _mm512_set1_ps(rough_v);
   }
+  Wide const self_x = _mm512_set1_ps(static_cast<float>(self & 0xFFFFU) * unit_x_);
+  Wide const self_y = _mm512_set1_ps(static_cast<float>(self >> 16) * unit_y_);
   Keys found[registers];
   for (std::ptrdiff_t k = 0; k < registers; ++k) {
-    x[k] = _mm512_add_ps(x[k], _mm512_sub_ps(_mm512_load_ps(w.column + 16 * k), self_x));
-    y[k] = _mm512_add_ps(y[k], _mm512_sub_ps(_mm512_load_ps(w.row + 16 * k), self_y));
-    Wide ahead = to_right ? x[k] : y[k];
-    Wide aside = to_right ? y[k] : x[k];
+    Wide const x = _mm512_fmadd_ps(_mm512_cvtepi32_ps(_mm512_and_epi32(cells[k], _mm512_set1_epi32(0xFFFF))),
+                                   _mm512_set1_ps(unit_x_), _mm512_sub_ps(_mm512_load_ps(w.x + 16 * k), self_x));
+    Wide const y = _mm512_fmadd_ps(_mm512_cvtepi32_ps(_mm512_srli_epi32(cells[k], 16)), _mm512_set1_ps(unit_y_),
+                                   _mm512_sub_ps(_mm512_load_ps(w.y + 16 * k), self_y));
+    Wide ahead = to_right ? x : y;
+    Wide aside = to_right ? y : x;
     if constexpr (way == Way::by_velocity) {
-      ahead = _mm512_fmadd_ps(x[k], u, _mm512_mul_ps(y[k], v));
-      aside = _mm512_fmsub_ps(x[k], v, _mm512_mul_ps(y[k], u));
+      ahead = _mm512_fmadd_ps(x, u, _mm512_mul_ps(y, v));
+      aside = _mm512_fmsub_ps(x, v, _mm512_mul_ps(y, u));
     }
-    found[k] =
-        keys(ahead, aside, _mm512_set1_ps(square), _mm512_set1_ps(min_ahead), _mm512_load_si512(w.lane + 16 * k));
+    __mmask16 const disks = _mm512_cmpneq_epi32_mask(cells[k], _mm512_set1_epi32(-1));
+    found[k] = keys(disks, ahead, aside, _mm512_set1_ps(square), _mm512_set1_ps(min_ahead),
+                    _mm512_load_si512(w.lane + 16 * k));
   }
   Keys all = _mm512_min_epu32(found[0], found[1]);
   if constexpr (registers == 4) all = _mm512_min_epu32(all, _mm512_min_epu32(found[2], found[3]));
   std::uint32_t const least = _mm512_reduce_min_epu32(all);
   // Without a lane that may be met the key is no number.
   if (!(std::bit_cast<float>(least & ~63U) <= static_cast<float>(contact.path) * (1.0F + 1e-6F))) return;
-  look<way>(numbers_[index(cell + w.step[least & 63U])], flight, contact);
+  look<way>(w, least & 63U, cell, flight, contact);
   Keys const bound = above(contact.path);
   std::uint64_t others = 0;
   for (unsigned k = 0; k < registers; ++k) others |= lanes_below(bound, found[k], 16 * k);
   for (others &= ~(std::uint64_t{1} << (least & 63U)); others != 0; others &= others - 1) [[unlikely]] {
-      look<way>(numbers_[index(cell + w.step[static_cast<unsigned>(std::countr_zero(others))])], flight, contact);
+      look<way>(w, static_cast<unsigned>(std::countr_zero(others)), cell, flight, contact);
     }
 }
 
