@@ -125,12 +125,15 @@ void EventChainEngine::advance(State& state, Counters& counters, StopCondition c
   std::unique_ptr<chain::ChainDisks> const disks = chain::chain_disks(state, target());
   bool const by_velocity = kind_ == ChainKind::newtonian;
   double const factor = by_velocity ? virial_factor_ : 2.0 * temperature(state).value_or(0.0) / speed_;
+  // Some seconds, and far more than a chain needs in a crystal whose rows hardly fit.
+  std::uint64_t const most_contacts = 100'000'000 + 1'000 * (state.agents.size() / chains_);
   while (!stop_condition.is_reached(state.clock, counters.pair_collisions)) {
     chain::ChainSums const sums = disks->take({.seed = state.seed,
                                                .step = state.clock.step,
                                                .count = chains_,
                                                .length = length_,
-                                               .by_velocity = by_velocity});
+                                               .by_velocity = by_velocity,
+                                               .most_contacts = most_contacts});
     ++state.clock.step;
     state.clock.time += duration_;
     counters.moves += sums.flights;

@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+
 #include <vector>
 
 #include "engine/chain/take_step.hpp"
 #include "grid/linked_grid.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
+#include "gridlock/core/error.hpp"
 
 namespace gridlock::chain {
 
@@ -84,6 +87,14 @@ class CellsOfAnySize final : public ChainDisks {
 };
 
 }  // namespace
+
+void fail_without_end(std::uint64_t contacts) {
+  throw RunFailure(
+      fmt::format("a chain of event_chain has met {} disks and not come to its end, since rows of disks touch each "
+                  "other all around "
+                  "the box; use a lower packing fraction, or engine.kind = \"exact\"",
+                  contacts));
+}
 
 std::unique_ptr<ChainDisks> chain_disks_of_any_size(State const& state) {
   return std::make_unique<CellsOfAnySize>(state);

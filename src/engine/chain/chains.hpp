@@ -17,6 +17,7 @@ struct StepOfChains {
   std::uint64_t count;
   double length;  ///< of each chain; for chains by velocity the duration
   bool by_velocity;
+  std::uint64_t most_contacts;  ///< of a chain
 };
 
 /// Disks in cells, in the order of their Ids, on which chains are carried out. All give the same bits.

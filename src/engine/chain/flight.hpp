@@ -77,12 +77,18 @@ struct ChainSums {
   double virial = 0.0;
 };
 
-/// Carries out one chain of a length, or a duration. `ChainDisks` have the disks by number, move them and find
+/// Ends a run whose chain never ends: it goes around and around in a row of disks that touch, and nothing moves.
+/// Errors: RunFailure.
+[[noreturn]] void fail_without_end(std::uint64_t contacts);
+
+/// Carries out one chain of a length, or a duration, with `most` contacts at most. `ChainDisks` have the disks by number, move them and find
 /// contacts: CellsOfAnySize, NarrowCells. Inlined, so that it is compiled for the instructions of its caller.
 template <Way way, class ChainDisks>
-[[gnu::always_inline]] inline void carry_out(ChainDisks& disks, Number in_order, double rest, ChainSums& sums) {
+[[gnu::always_inline]] inline void carry_out(ChainDisks& disks, Number in_order, double rest, std::uint64_t most,
+                                             ChainSums& sums) {
   Number const first = disks.find(in_order);
   double const longest = disks.longest_flight();
+  std::uint64_t const last_contact = sums.contacts + most;
   Flight flight{.disk = first, .previous = nobody, .place = disks.place(first), .velocity = {}};
   if constexpr (way == Way::by_velocity) flight.velocity = disks.velocity(first);
   for (;;) {
@@ -104,7 +110,8 @@ template <Way way, class ChainDisks>
       if (rest > 0.0) continue;
       break;
     }
-    ++sums.contacts;
+    if (++sums.contacts > last_contact) [[unlikely]]
+      fail_without_end(most);
     Vector const separation = contact.separation - step;
     if constexpr (way == Way::by_velocity) {
       Vector const other = disks.velocity(contact.partner);

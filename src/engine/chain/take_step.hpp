@@ -13,11 +13,11 @@ template <class SomeDisks>
     RandomStream random(step.seed, step.step, k, Purpose::event_chain);
     auto const first = static_cast<Number>(random.below(agents));
     if (step.by_velocity) {
-      carry_out<Way::by_velocity>(disks, first, step.length, sums);
+      carry_out<Way::by_velocity>(disks, first, step.length, step.most_contacts, sums);
     } else if ((step.step * step.count + k) % 2 == 0) {
-      carry_out<Way::up>(disks, first, step.length, sums);
+      carry_out<Way::up>(disks, first, step.length, step.most_contacts, sums);
     } else {
-      carry_out<Way::right>(disks, first, step.length, sums);
+      carry_out<Way::right>(disks, first, step.length, step.most_contacts, sums);
     }
   }
   return sums;

@@ -80,7 +80,7 @@ TEST(EventChain, MovesTheDisksThatASearchAmongAllWouldMove) {
       auto const of_any_size = chain::chain_disks_of_any_size(start);
       auto const equal = chain::chain_disks(start, is_available(Target::avx512) ? Target::avx512 : Target::scalar);
       for (std::uint64_t step = 0; step < 20; ++step) {
-        chain::StepOfChains const chains{start.seed, step, 5, 20.0, by_velocity};
+        chain::StepOfChains const chains{start.seed, step, 5, 20.0, by_velocity, 1'000'000};
         chain::ChainSums const sums = chain::take_step(all, start.agents.size(), chains);
         EXPECT_GT(sums.contacts, 0U);
         EXPECT_EQ(of_any_size->take(chains).virial, sums.virial);
@@ -124,6 +124,16 @@ TEST(EventChain, HasAboutAsManyContactsInAStepAsThereAreDisks) {
       Counters counters;
       make_engine({.kind = "event_chain", .chains = kind}, state)->advance(state, counters, {.step = 100});
       EXPECT_NEAR(static_cast<double>(counters.pair_collisions) / 4e4, 1.0, 0.2);
+    }
+  }
+}
+
+TEST(EventChain, EndsARunWhoseChainWouldNeverEnd) {
+  State state{.box = Box(8.0, 8.0, Edge::periodic)};  // four by four disks that touch on all sides
+  for (int k = 0; k < 16; ++k) state.agents.add(1.0 + 2.0 * (k % 4), 1.0 + 2.0 * (k / 4), 0.3, 0.1, 1.0, 1.0, 0, 0);
+  for (Target const target : available_targets()) {
+    for (bool const by_velocity : {false, true}) {
+      EXPECT_THROW(chain::chain_disks(state, target)->take({1, 0, 1, 1.0, by_velocity, 1000}), RunFailure);
     }
   }
 }
