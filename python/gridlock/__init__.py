@@ -49,12 +49,12 @@ from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
 from .tables import Table
-from .world import Start, World
+from .world import Halts, Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
     "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Error",
-    "Field", "Frame", "FrameContacts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation", "PairCorrelationMap", "Problem", "Result",
+    "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation", "PairCorrelationMap", "Problem", "Result",
     "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "SpectralDensity", "Start", "StringLengths", "StructureFactor",
     "StructurePeak", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi", "World", "bond_orientation", "clusters",
     "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics", "explain",

@@ -75,12 +75,15 @@ class FieldsOfWorld:
 
     _core: ModelWorld
     _model: Model
+    _kind: int | None
 
     def cells(self, field: str, positions: ArrayLike | None = None) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The row and the column of the cell around each agent, or around each of some positions: an index of the array of the field.
 
         Positions beyond a periodic edge are on its other side.
         """
+        if positions is None and self._kind is not None:
+            positions = getattr(self, "positions")
         points = None if positions is None else as_numbers(positions, "the positions", (None, 2), "use an array of shape (N, 2)")
         cells: Any = self._core.cells(field, points)
         rows, columns = np.divmod(cells, getattr(self, field).shape[1])
@@ -104,7 +107,8 @@ class FieldsOfWorld:
         """
         self._require_writable("change a field")
         taken: Any = self._core.take(field, self._amounts(amounts))
-        return taken  # type: ignore[no-any-return]
+        first, end = self._rows
+        return taken[first:end]  # type: ignore[no-any-return]
 
     def spread(self, field: str, *, diffusion: float = 0.0, decay: float = 0.0) -> None:
         """Spreads a field for one time step by diffusion, an area over a time, and lets it decay at a rate, 1 over a time.
@@ -119,10 +123,22 @@ class FieldsOfWorld:
     def _require_writable(self, what: str) -> None:
         raise NotImplementedError
 
+    @property
+    def _rows(self) -> tuple[int, int]:
+        raise NotImplementedError
+
     def _amounts(self, amounts: ArrayLike) -> NDArray[np.float64]:
-        count = self._core.size()
+        """One amount for each agent, 0 for those that are not of this kind."""
+        first, end = self._rows
         if np.ndim(amounts) == 0:
-            amounts = np.full(count, amounts)
+            amounts = np.full(end - first, amounts)
         elif isinstance(amounts, np.ndarray) and amounts.dtype == np.bool_:
             amounts = amounts.astype(np.float64)
-        return as_numbers(amounts, "the amounts", (None,), f"use a number or an array of shape ({count},)")
+        own = as_numbers(amounts, "the amounts", (None,), f"use a number or an array of shape ({end - first},)")
+        if self._kind is None:
+            return own
+        if len(own) != end - first:
+            raise Error(f"there are {len(own)} amounts for {end - first} agents\n  hint: give a number, or an array of shape (N,)")
+        padded = np.zeros(self._core.size())
+        padded[first:end] = own
+        return padded

@@ -81,12 +81,13 @@ class Frame:
 
     @property
     def kinds(self) -> NDArray[np.int64]:
-        """The kind of each agent, shape (N,): by the column ``species``, else by radius and mass, the smallest first.
+        """The kind of each agent, shape (N,): by the column ``species`` or ``kind``, else by radius and mass, the smallest first.
 
         :raises Error: for frames with none of these columns, as those of most models.
         """
-        if "species" in self.columns:
-            return np.unique(self.columns["species"], return_inverse=True)[1].reshape(-1)
+        for name in ("species", "kind"):
+            if name in self.columns:
+                return np.unique(self.columns[name], return_inverse=True)[1].reshape(-1)
         named = [self.columns[name] for name in ("radius", "mass") if name in self.columns]
         if not named:
             raise Error(
@@ -94,6 +95,18 @@ class Frame:
                 "  hint: keep the column radius or species in trajectory.columns; where all agents are alike, no kinds are needed"
             )
         return np.unique(np.stack(named, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+
+    def of_kind(self, kind: str) -> Frame:
+        """The agents of one kind of a model with :attr:`gridlock.Model.kinds`; columns that they do not have are 0.
+
+        :raises Error: for a kind that the model does not have.
+        """
+        names = self.value_names.get("kind", [])
+        if kind not in names:
+            raise Error(f"the frame has no kind {kind!r}\n  hint: it has {', '.join(names) or 'none'}")
+        rows = self.columns["kind"] == names.index(kind)
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return dataclasses.replace(self, ids=self.ids[rows], columns=columns)
 
     @property
     def diameter(self) -> float:

@@ -18,6 +18,7 @@ from .arrays import as_observed, in_short
 from .box import Box, BoxValues, box_of
 from .errors import Error, RunFailure
 from .fields import Field
+from .kinds import ColumnOfModel, columns_of, require_kinds
 from .world import Start, World
 
 if TYPE_CHECKING:
@@ -127,6 +128,7 @@ class Model:
         simulation = gridlock.Simulation(model="walkers", walkers={"count": 500}, box={"edge": "periodic"})
 
     - ``columns``: what agents have besides x and y, with their types: ``{"health": np.uint32}``; float64, int32, uint32 or uint64.
+    - ``kinds``: kinds of agents with columns of their own, ``{"wolf": {"energy": float}, "sheep": {"wool": float}}``.
     - ``events``: names of what :meth:`World.count` counts. ``value_names``: names of the numbers 0, 1, 2 … of a column.
     - ``fields``: numbers on a grid over the box, ``{"grass": gridlock.Field(100)}``; see :class:`gridlock.Field`.
     - ``time_step``: the physical time of a step; a number, a setting, or a property.
@@ -138,11 +140,13 @@ class Model:
 
     name: ClassVar[str] = ""
     columns: ClassVar[Mapping[str, Any]] = {}
+    kinds: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     fields: ClassVar[Mapping[str, Field]] = {}
     events: ClassVar[Sequence[str]] = ()
     value_names: ClassVar[Mapping[str, Sequence[str]]] = {}
     observations: ClassVar[Mapping[str, str]] = {}
     time_step: Any = 1.0
+    _columns: ClassVar[Mapping[str, ColumnOfModel]] = {}
 
     def __init__(self, **settings: Any) -> None:
         known = _settings_of(type(self))
@@ -271,7 +275,7 @@ def register_model(model: type[Model]) -> type[Model]:
     """
     if not isinstance(model, type) or not issubclass(model, Model):
         raise Error(f"{model!r} is no model\n  hint: derive a class from gridlock.Model")
-    columns = {name: np.dtype(kind).name for name, kind in model.columns.items()}
+    columns = columns_of(model)
     settings = _settings_of(model)
     _require_possible(model, columns, list(settings))
     documentation = " ".join((inspect.getdoc(model) or "").split("\n\n")[0].split()) if model.__doc__ else ""
@@ -280,12 +284,14 @@ def register_model(model: type[Model]) -> type[Model]:
             model,
             model.name,
             documentation,
-            list(columns.items()),
+            [(name, *column) for name, column in columns.items()],
+            max(1, len(model.kinds)),
             list(model.events),
-            {name: list(names) for name, names in model.value_names.items()},
+            {name: list(names) for name, names in {**model.value_names, **({"kind": model.kinds} if model.kinds else {})}.items()},
             [setting._definition() for setting in settings.values()],
             model.name in _registered,
         )
+        model._columns = columns
         _registered[model.name] = model
     return model
 
@@ -364,7 +370,7 @@ def _settings_of(model: type[Model]) -> dict[str, Setting]:
     return settings
 
 
-def _require_possible(model: type[Model], columns: Mapping[str, str], settings: Sequence[str]) -> None:
+def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], settings: Sequence[str]) -> None:
     what = f"the model {model.__name__}"
     if not isinstance(model.name, str) or not model.name.isidentifier() or not model.name.isascii():
         raise Error(f"{what} has the name {model.name!r}\n  hint: give it one of letters, digits and _: name = \"walkers\"")
@@ -379,7 +385,7 @@ def _require_possible(model: type[Model], columns: Mapping[str, str], settings: 
         require_turn(model)
     if model.start is Model.start:
         raise Error(f"{what} has no start\n  hint: define start(self, start), which adds the first agents")
-    for name, kind in columns.items():
+    for name, (kind, _) in columns.items():
         if not name.isidentifier() or keyword.iskeyword(name) or name in (*_names_of_world, *_names_in_files) or hasattr(World, name):
             raise Error(f"{what} has a column {name!r}\n  hint: choose another name")
         known = _types_of_columns.get(name, kind)
@@ -387,6 +393,8 @@ def _require_possible(model: type[Model], columns: Mapping[str, str], settings: 
             raise Error(f"the column {name} of {what} has the type {kind}\n  hint: observables take it for {known}; use that, or another name")
         if kind not in _column_types:
             raise Error(f"the column {name} of {what} has the type {kind}\n  hint: use {', '.join(_column_types)}")
+    require_kinds(model, columns, lambda name: name in model.fields or name in _names_of_world or hasattr(World, name) or hasattr(Start, name),
+                  _types_of_columns)
     for name, field in model.fields.items():
         if not isinstance(field, Field):
             raise Error(f"the field {name} of {what} is {in_short(field)}\n  hint: use gridlock.Field(columns)")

@@ -28,8 +28,18 @@ class Neighbors(NamedTuple):
     def __repr__(self) -> str:
         return named_in_short(self)
 
-    def of(self, i: int) -> NDArray[np.uint32]:
-        """The neighbours of point i."""
+    def of(self, i: int | NDArray[Any]) -> NDArray[np.uint32]:
+        """The neighbours of point i, or of several points, one after the other.
+
+        >>> neighbors([[0.1, 0.5], [0.3, 0.5], [0.5, 0.5]], 0.25, box=1.0).of(np.array([0, 2]))
+        array([1, 1], dtype=uint32)
+        """
+        if isinstance(i, np.ndarray):
+            first, counts = self.indptr[i].astype(np.int64), (self.indptr[i + 1] - self.indptr[i]).astype(np.int64)
+            ends = np.cumsum(counts)
+            places = np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - ends + counts, counts)
+            joined: NDArray[np.uint32] = self.indices[places]
+            return joined
         if not 0 <= i < len(self.indptr) - 1:
             raise IndexError(f"there is no point {i} among {len(self.indptr) - 1}")
         return self.indices[self.indptr[i] : self.indptr[i + 1]]
@@ -55,12 +65,12 @@ class Neighbors(NamedTuple):
         array([ 10., 101.,  10.])
         """
         is_mask = isinstance(values, np.ndarray) and values.dtype == np.bool_ and not np.ma.isMaskedArray(values)
-        hint = f"use one row for each of the {len(self.indptr) - 1} points"
+        hint = f"use one row for each of the {self._points} points"
         array = np.ascontiguousarray(values if is_mask else as_array(values, "the values are", hint), dtype=np.float64)
-        if array.ndim not in (1, 2) or len(array) != len(self.indptr) - 1:
+        if array.ndim not in (1, 2) or len(array) != self._points:
             raise Error(f"the values have shape {array.shape}\n  hint: {hint}")
-        sums: NDArray[np.float64] = _core.neighbor_sums(self.indptr, self.indices, array.reshape(len(array), array.size // max(len(array), 1)))
-        return sums.reshape(array.shape)
+        sums: NDArray[np.float64] = _core.neighbor_sums(self.indptr, self.indices, array.reshape(len(array), int(np.prod(array.shape[1:]))))
+        return sums.reshape(-1, *array.shape[1:]) if array.ndim > 1 else sums[:, 0]
 
     def mean(self, values: ArrayLike) -> NDArray[np.float64]:
         """The mean over each point's neighbours; not a number where there are none. Shapes are those of :meth:`sum`."""
@@ -68,6 +78,21 @@ class Neighbors(NamedTuple):
         counts = self.counts.reshape((-1,) + (1,) * (sums.ndim - 1))
         means: NDArray[np.float64] = np.divide(sums, counts, out=np.full(sums.shape, np.nan), where=counts > 0)
         return means
+
+    @property
+    def _points(self) -> int:
+        """How many points a neighbour can be."""
+        return len(self.indptr) - 1
+
+
+class NeighborsAmong(Neighbors):
+    """The neighbours of N points among others, by the rows of the others: those of wolves among the sheep."""
+
+    _others: int
+
+    @property
+    def _points(self) -> int:
+        return self._others
 
 
 def as_points(points: ArrayLike) -> NDArray[np.float64]:

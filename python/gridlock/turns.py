@@ -2,7 +2,8 @@
 
 In place of ``step`` a model has a static method ``turn``, the ``cutoff`` of its neighbours, and, if it likes, ``random_numbers``, how many
 uniform numbers each turn gets, and ``finish(world, bounces)``, which is called when all turns are over: for births, and for velocities
-that walls turn back. All agents act at the same time, upon the world as it was before the step::
+that walls turn back. ``awake(world)`` returns a mask of the agents that have a turn; the others stay as they are, and draw no random numbers.
+All agents act at the same time, upon the world as it was before the step::
 
     @gridlock.register_model
     class Epidemic(gridlock.Model):
@@ -68,12 +69,14 @@ def require_turn(model: type[Model]) -> None:
     for name in reserved_columns:
         if name in model.columns:
             raise Error(f"{what} has a column {name}, a name of turns\n  hint: choose another name")
+    if any(model.kinds.values()):
+        raise Error(f"{what} has turns, and columns of some kinds\n  hint: turns see the columns of all agents: name them in columns, or define step()")
 
 
 def take_turns(model: Model, world: World) -> None:
     """One step: a turn for every row."""
     kind: Any = type(model)
-    names = ("x", "y", *model.columns)
+    names = ("x", "y", *(["kind"] if model.kinds else []), *model.columns)
     found = world.neighbors(model.cutoff)  # type: ignore[attr-defined]
     room = np.zeros((int(found.counts.max(initial=0)), 2))
     now = _named(kind, "Now", names)(*(world[name].copy() for name in names))
@@ -87,10 +90,11 @@ def take_turns(model: Model, world: World) -> None:
     # A compiled turn reads fields alone, no properties.
     fields = ("width", "height", "periodic_x", "periodic_y")
     sides = _named(kind, "Sides", fields)(box.width, box.height, box.periodic_x, box.periodic_y)
+    rows = world._rows_in_all(model.awake(world) if hasattr(model, "awake") else None)
     take = _compiled(kind.turn)
     take(
-        found.indptr, found.indices, room, sides, now, then,
-        _named(kind, "Settings", tuple(settings))(**settings), world.uniform(getattr(model, "random_numbers", 1)), events,
+        rows, found.indptr, found.indices, room, sides, now, then,
+        _named(kind, "Settings", tuple(settings))(**settings), world.uniform(getattr(model, "random_numbers", 1), rows=rows), events,
     )
     for event, times in zip(model.events, events):
         world.count(event, int(times))
@@ -120,9 +124,9 @@ def _compiled(turn: Callable[..., None]) -> Callable[..., None]:
 def _all_turns(turn: Callable[..., None]) -> Callable[..., None]:
     # No more arrays than one: `room` is large enough for the separations of every agent.
     def take(
-        ends: Sequence[int], indices: Any, room: Any, box: Any, now: Any, then: Any, settings: Any, random: Any, events: Any
+        rows: Any, ends: Sequence[int], indices: Any, room: Any, box: Any, now: Any, then: Any, settings: Any, random: Any, events: Any
     ) -> None:
-        for row in range(len(now.x)):
+        for turn_of_step, row in enumerate(rows):
             neighbors = indices[ends[row] : ends[row + 1]]
             separations = room[: len(neighbors)]
             for place, k in enumerate(neighbors):
@@ -134,6 +138,6 @@ def _all_turns(turn: Callable[..., None]) -> Callable[..., None]:
                     dy -= box.height * np.rint(dy / box.height)
                 separations[place, 0] = dx
                 separations[place, 1] = dy
-            turn(row, neighbors, separations, now, then, settings, random[row], events)
+            turn(row, neighbors, separations, now, then, settings, random[turn_of_step], events)
 
     return take

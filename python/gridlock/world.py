@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
 from ._core import ModelWorld
 from .analysis import separations
-from .arrays import as_array, as_column, as_count, as_numbers, refuse_masked
+from .arrays import as_array, as_column, as_count, as_numbers, named_in_short, refuse_masked
 from .box import Box, box_of
 from .errors import Error
 from .fields import FieldsOfWorld
-from .neighbors import Neighbors, as_cutoff
+from .kinds import COLUMN, number_of, own_columns_of
+from .neighbors import Neighbors, NeighborsAmong, as_cutoff, as_radii
 from .simulation import Clock
 
 if TYPE_CHECKING:
@@ -27,12 +28,14 @@ class _SeenByModel:
 
     _core: ModelWorld
     _model: Model
+    _kind: int | None  #: the kind whose agents it shows; of all where there is none
 
     def __len__(self) -> int:
-        return self._core.size()
+        return self._core.size() if self._kind is None else self._core.counts()[self._kind]
 
     def __repr__(self) -> str:
-        what = f"<gridlock.{type(self).__name__} of {self._model.name}"
+        kind = "" if self._kind is None else f", {list(self._model.kinds)[self._kind]}"
+        what = f"<gridlock.{type(self).__name__} of {self._model.name}{kind}"
         try:
             return f"{what}: {len(self)} agents, step {self._core.clock()[0]}>"
         except RuntimeError:
@@ -50,18 +53,21 @@ class _SeenByModel:
 class Start(_SeenByModel):
     """What a model fills in its ``start``: a box without agents, and fields of zeros.
 
-    ``start.grass`` is the field grass, an array of shape (rows, columns).
+    ``start.grass`` is the field grass, an array of shape (rows, columns). Of a model with kinds ``start.sheep`` is the start of the sheep:
+    its :meth:`add` adds sheep, and its random numbers are those of the sheep.
     """
 
-    def __init__(self, core: ModelWorld, model: Model) -> None:
+    def __init__(self, core: ModelWorld, model: Model, kind: int | None = None) -> None:
         self._core = core
         self._model = model
+        self._kind = kind
 
-    def __getattr__(self, name: str) -> NDArray[np.float64]:
+    def __getattr__(self, name: str) -> Any:
+        if name in self._model.kinds and self._kind is None:
+            return Start(self._core, self._model, number_of(self._model, name))
         if name.startswith("_") or name not in self._model.fields:
             raise AttributeError(f"the start has no field {name!r}; it has {', '.join(self._model.fields) or 'none'}")
-        field: Any = self._core.field(name)
-        return field  # type: ignore[no-any-return]
+        return self._core.field(name)
 
     def __setattr__(self, name: str, values: Any) -> None:
         if name.startswith("_"):
@@ -79,15 +85,29 @@ class Start(_SeenByModel):
 
         Those of an agent are a function of the seed, its number and the purpose; 0 is that of :meth:`anywhere`.
         """
-        return _numbers(self._core, count, size, purpose, False)
+        return _numbers(self._core, self._newcomers(count), size, purpose, False)
 
     def normal(self, count: int, size: int | None = None, *, purpose: int = 1) -> NDArray[np.float64]:
         """The same with mean 0 and variance 1."""
-        return _numbers(self._core, count, size, purpose, True)
+        return _numbers(self._core, self._newcomers(count), size, purpose, True)
+
+    def _newcomers(self, count: int) -> NDArray[np.uint64]:
+        """The numbers of new agents; those of two kinds are never the same."""
+        return np.arange(_whole("count", count), dtype=np.uint64) + np.uint64((self._kind or 0) << 32)
 
     def add(self, **columns: ArrayLike) -> None:
         """Adds agents: a number or an array for x, y (or ``positions``) and every other column; columns left out are 0."""
-        self._core.add(_new_agents(self._model, columns))
+        self._core.add(self._kind or 0, _new_agents(self._model, self._kind, columns))
+
+
+class Halts(NamedTuple):
+    """What has halted agents that moved apart: see :meth:`World.move` with radii."""
+
+    walls: NDArray[np.bool_]  #: whether a wall along x, or along y, has; shape (N, 2)
+    partners: NDArray[np.int64]  #: the row of the agent that has, −1 for those that no agent has; shape (N,)
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
 
 class World(_SeenByModel, FieldsOfWorld):
@@ -98,15 +118,21 @@ class World(_SeenByModel, FieldsOfWorld):
     order between steps.
 
     ``world.grass`` of a model with a field grass is that field, an array of shape (rows, columns): row 0 is at the bottom of the box.
+
+    ``world.sheep`` of a model with a kind sheep is the world of the sheep alone: its arrays have a row for each sheep, and its methods
+    move, find, add and remove sheep.
     """
 
     _arrays: dict[str, NDArray[Any]]
+    _parts: dict[str, World]
     _is_read_only: bool
 
-    def __init__(self, core: ModelWorld, model: Model, *, is_read_only: bool = False) -> None:
+    def __init__(self, core: ModelWorld, model: Model, *, is_read_only: bool = False, kind: int | None = None) -> None:
         object.__setattr__(self, "_core", core)
         object.__setattr__(self, "_model", model)
+        object.__setattr__(self, "_kind", kind)
         object.__setattr__(self, "_arrays", {})
+        object.__setattr__(self, "_parts", {})
         object.__setattr__(self, "_is_read_only", is_read_only)
 
     @property
@@ -120,21 +146,27 @@ class World(_SeenByModel, FieldsOfWorld):
     @property
     def ids(self) -> NDArray[np.uint64]:
         """The Id of each row, shape (N,)."""
-        return self._array("ids", self._core.ids)
+        return self._array("ids", lambda: self._own(self._core.ids()))
 
     @property
     def positions(self) -> NDArray[np.float64]:
         """x and y, shape (N, 2). They stay inside the box; :meth:`move` sees to that."""
-        return self._array("positions", self._core.positions)
+        return self._array("positions", lambda: self._own(self._core.positions()))
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._array(name, lambda: self._core.field(name) if name in self._model.fields else self._core.column(name))
+        if name in self._model.fields:
+            return self._array(name, lambda: self._core.field(name))
+        return self._array(name, lambda: self._own(self._core.column(name), name))
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
         self._require_writable(f"change {name}")
         _put_into(self[name], name, values)
 
-    def __getattr__(self, name: str) -> NDArray[Any]:
+    def __getattr__(self, name: str) -> Any:
+        if name in self._model.kinds and self._kind is None:
+            if name not in self._parts:
+                self._parts[name] = World(self._core, self._model, is_read_only=self._is_read_only, kind=number_of(self._model, name))
+            return self._parts[name]
         if name.startswith("_") or not self._has(name):
             raise self._no_column(name)
         return self[name]
@@ -145,72 +177,131 @@ class World(_SeenByModel, FieldsOfWorld):
         self._require_writable(f"change {name}")
         _put_into(self.positions if name == "positions" else self[name], name, values)
 
-    def neighbors(self, cutoff: float) -> Neighbors:
-        """The neighbours of every agent nearer than the cutoff, by rows, on the threads of ``engine.threads``."""
-        lists: Any = self._core.neighbor_lists(as_cutoff(cutoff))
-        return Neighbors(*lists)
+    def neighbors(self, cutoff: float, *, of: World | None = None) -> Neighbors:
+        """The neighbours of every agent nearer than the cutoff, by rows, on the threads of ``engine.threads``.
+
+        :param of: the agents among whom they are, ``world.wolf.neighbors(0.1, of=world.sheep)``: then rows are those of ``world.sheep``.
+            The search is on one thread.
+
+        The lists are kept: as long as nobody moves, is born or dies, the same search costs a comparison of all positions.
+        """
+        among = self if of is None else of
+        lists: Any = self._core.neighbor_lists(as_cutoff(cutoff), self._rows, among._rows)
+        if of is None:
+            return Neighbors(*lists)
+        found = NeighborsAmong(*lists)
+        found._others = len(among)
+        return found
 
     def pairs(self, cutoff: float) -> NDArray[np.uint32]:
-        """All pairs of rows nearer than the cutoff, each once, shape (P, 2)."""
-        found: Any = self._core.pairs(as_cutoff(cutoff))
+        """All pairs of rows nearer than the cutoff, each once, shape (P, 2). They are kept as :meth:`neighbors` are."""
+        found: Any = self._core.pairs(as_cutoff(cutoff), self._rows)
         pairs: NDArray[np.uint32] = found.T
         return pairs
 
-    def separations(self, i: NDArray[np.integer[Any]], j: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
-        """The vectors from the agents of rows i to those of rows j, the nearest image in a periodic box, shape (len(i), 2)."""
-        return separations(self.positions, i, j, self.box)
+    def separations(self, i: NDArray[np.integer[Any]], j: NDArray[np.integer[Any]], *, of: World | None = None) -> NDArray[np.float64]:
+        """The vectors from the agents of rows i to those of rows j, the nearest image in a periodic box, shape (len(i), 2).
 
-    def uniform(self, size: int | None = None, *, purpose: int = 0) -> NDArray[np.float64]:
+        :param of: whose rows j are, as in :meth:`neighbors`.
+        """
+        if of is None:
+            return separations(self.positions, i, j, self.box)
+        both = np.concatenate([self.positions[i], of.positions[j]])
+        first = np.arange(len(both) // 2)
+        return separations(both, first, first + len(first), self.box)
+
+    def uniform(self, size: int | None = None, *, purpose: int = 0, rows: ArrayLike | None = None) -> NDArray[np.float64]:
         """Random numbers in [0, 1) for each agent, shape (N,) or (N, size).
 
         A function of the seed, the step, the Id and the purpose alone: the same on any machine, and after a resume. Two calls with
         one purpose in one step give the same numbers; use another purpose for others.
-        """
-        return _numbers(self._core, None, size, purpose, False)
 
-    def normal(self, size: int | None = None, *, purpose: int = 0) -> NDArray[np.float64]:
+        :param rows: a mask, or the rows, of those that need numbers; the others draw none.
+        """
+        return _numbers(self._core, self._rows_in_all(rows), size, purpose, False)
+
+    def normal(self, size: int | None = None, *, purpose: int = 0, rows: ArrayLike | None = None) -> NDArray[np.float64]:
         """The same with mean 0 and variance 1."""
-        return _numbers(self._core, None, size, purpose, True)
+        return _numbers(self._core, self._rows_in_all(rows), size, purpose, True)
 
     def uniform_of_step(self, count: int) -> NDArray[np.float64]:
         """Random numbers in [0, 1) of the whole model, a function of the seed and the step, shape (count,)."""
         numbers: Any = self._core.numbers_of_step(_whole("count", count))
         return numbers  # type: ignore[no-any-return]
 
-    def move(self, displacements: ArrayLike) -> NDArray[np.bool_]:
+    @overload
+    def move(self, displacements: ArrayLike) -> NDArray[np.bool_]: ...
+    @overload
+    def move(self, displacements: ArrayLike, *, radius: ArrayLike, parts: int = 5, shuffled: bool = False) -> Halts: ...
+    def move(
+        self, displacements: ArrayLike, *, radius: ArrayLike | None = None, parts: int = 5, shuffled: bool = False
+    ) -> NDArray[np.bool_] | Halts:
         """Moves every agent by its row of an array of shape (N, 2), around the edges of a periodic box or turned back by walls.
 
         A model with columns ``image_x`` and ``image_y`` (int32) has the edges counted there that an agent has crossed, so that trajectories
         can be unwrapped.
 
-        :returns: in which directions walls turned it back, shape (N, 2).
+        :param radius: of all agents, or of each: they move one after the other, and none into another, by the rule of the paper. Each
+            displacement has equal parts. The first that would bring an agent nearer than its radius to a wall, or than the sum of the radii to
+            another agent, halts it there; its partner is the nearest such agent. Agents that overlap at first may move away from each other.
+        :param parts: of each displacement; none may be as long as a radius and the smallest radius together.
+        :param shuffled: whether they move in an order drawn anew for each step, in place of that of their Ids.
+        :returns: in which directions walls turned it back, shape (N, 2); with radii what has halted it, :class:`Halts`.
         :raises RunFailure: for a displacement that is not finite or as long as a side of the box.
         """
         self._require_writable("move agents")
-        array = np.asarray(as_array(displacements, "the displacements are", "use an array of numbers"), dtype=np.float64)
+        array = np.ascontiguousarray(as_array(displacements, "the displacements are", "use an array of numbers"), dtype=np.float64)
         if array.shape != (len(self), 2):
             raise Error(f"the displacements have shape {array.shape}\n  hint: use an array of shape ({len(self)}, 2)")
-        turned: Any = self._core.move(array)
-        bounces: NDArray[np.bool_] = turned.view(np.bool_)
-        return bounces
+        if radius is None:
+            turned: Any = self._core.move(array, self._rows[0])
+            bounces: NDArray[np.bool_] = turned.view(np.bool_)
+            return bounces
+        radii = self._radii(radius, array, _whole("parts", parts))
+        ends: Any = self._core.move_apart(array, self._rows[0], radii, parts, bool(shuffled))
+        return Halts(ends[0].view(np.bool_), ends[1])
+
+    def _radii(self, radius: ArrayLike, displacements: NDArray[np.float64], parts: int) -> NDArray[np.float64]:
+        """The radii of agents that can move apart."""
+        radii = as_radii(radius, len(self))
+        if np.any(radii <= 0) or parts < 1:
+            raise Error(f"agents move apart in {parts} parts, with a smallest radius of {radii.min()}\n  hint: use 1 part or more, and radii above 0")
+        sides = [side for side, periodic in zip((self.box.width, self.box.height), (self.box.periodic_x, self.box.periodic_y)) if periodic]
+        if sides and len(radii) and 4 * radii.max() > min(sides):
+            raise Error(f"the largest radius is {radii.max()} in a periodic box of {min(sides)}\n  hint: use at most a quarter of the shorter side")
+        length = np.hypot(displacements[:, 0], displacements[:, 1]) / parts
+        if np.any(length >= radii + radii.min(initial=np.inf)):
+            row = int(np.argmax(length - radii))
+            raise Error(f"the agent of row {row} covers {length[row]:.6g} in one part and could jump over another of radius {radii.min():.6g}\n"
+                        "  hint: use more parts, or shorter displacements")
+        return radii
 
     def add(self, **columns: ArrayLike) -> None:
         """Births: a number or an array for x, y (or ``positions``) and every other column. The newborn are there after the step."""
         self._require_writable("add agents")
-        self._core.add(_new_agents(self._model, columns))
+        self._core.add(self._kind or 0, _new_agents(self._model, self._kind, columns))
 
     def remove(self, rows: ArrayLike) -> None:
         """Deaths, by a mask of shape (N,) or by rows. The dead are gone after the step."""
         self._require_writable("remove agents")
-        refuse_masked(rows, "the rows to remove are")
+        self._core.remove(self._rows_in_all(rows, "the rows to remove are"))
+
+    def _rows_in_all(self, rows: ArrayLike | None, what: str = "the rows are") -> NDArray[np.uint64]:
+        """Rows of this world, given by a mask or by numbers, among those of all agents."""
+        first, end = self._rows
+        if rows is None:
+            return np.arange(first, end, dtype=np.uint64)
+        refuse_masked(rows, what)
         array = np.asarray(rows)
         if array.dtype == np.bool_:
             if array.shape != (len(self),):
                 raise Error(f"the mask has shape {array.shape}\n  hint: use one of shape ({len(self)},)")
             array = np.flatnonzero(array)
         if array.ndim != 1 or (array.size and not np.issubdtype(array.dtype, np.integer)) or np.any(array < 0):
-            raise Error("agents are removed by a mask or by rows\n  hint: use an array of True and False, or of whole numbers from 0 on")
-        self._core.remove(np.ascontiguousarray(array, dtype=np.uint64))
+            raise Error("agents are chosen by a mask or by rows\n  hint: use an array of True and False, or of whole numbers from 0 on")
+        if self._kind is not None and np.any(array >= len(self)):
+            raise Error(f"there is no agent in row {array.max()} among {len(self)}\n  hint: rows are those of the arrays in this step")
+        return np.ascontiguousarray(array, dtype=np.uint64) + np.uint64(first)
 
     def count(self, event: str, times: int = 1) -> None:
         """Counts an event of ``events``."""
@@ -218,11 +309,40 @@ class World(_SeenByModel, FieldsOfWorld):
             raise Error(f"the model declares no event {event!r}\n  hint: it has {', '.join(self._model.events) or 'none; name them in events'}")
         self._core.count(list(self._model.events).index(event), _whole("times", times))
 
+    @property
+    def _rows(self) -> tuple[int, int]:
+        """The rows of these agents among all: from the first to before the end."""
+        counts = self._core.counts()
+        if self._kind is None:
+            return 0, sum(counts)
+        return sum(counts[: self._kind]), sum(counts[: self._kind + 1])
+
+    def _own(self, values: Any, name: str = "ids") -> NDArray[Any]:
+        """The values of a column that are those of these agents."""
+        if not self._model.kinds:
+            return values  # type: ignore[no-any-return]
+        column = self._model._columns.get(name)
+        kinds = column.kinds if column and column.kinds else list(range(len(self._model.kinds)))
+        if (self._kind is None and len(kinds) < len(self._model.kinds)) or self._kind not in (None, *kinds):
+            raise Error(f"{name} is a column of {', '.join(list(self._model.kinds)[kind] for kind in kinds)} alone\n"
+                        f"  hint: use world.{list(self._model.kinds)[kinds[0]]}.{name}")
+        if self._kind is None:
+            return values  # type: ignore[no-any-return]
+        counts = self._core.counts()
+        first = sum(counts[kind] for kind in kinds if kind < self._kind)
+        own: NDArray[Any] = values[first : first + counts[self._kind]]
+        return own
+
+    def _columns(self) -> list[str]:
+        own = [] if self._kind is None else own_columns_of(self._model, self._kind)
+        return ["x", "y", *([COLUMN] if self._model.kinds else []), *self._model.columns, *own]
+
     def _has(self, name: str) -> bool:
-        return name in ("x", "y") or name in self._model.columns or name in self._model.fields
+        return name in self._columns() or name in self._model.fields
 
     def _no_column(self, name: str) -> AttributeError:
-        return AttributeError(f"there is no column {name!r}; there are {', '.join(['x', 'y', *self._model.columns, *self._model.fields])}")
+        there = [*self._columns(), *self._model.fields, *([] if self._kind is not None else self._model.kinds)]
+        return AttributeError(f"there is no column {name!r}; there are {', '.join(there)}")
 
     def _require_writable(self, what: str) -> None:
         if self._is_read_only:
@@ -239,6 +359,8 @@ class World(_SeenByModel, FieldsOfWorld):
         for array in self._arrays.values():
             array.flags.writeable = False
         self._arrays.clear()
+        for part in self._parts.values():
+            part._close()
 
 
 def _put_into(array: NDArray[Any], name: str, values: ArrayLike) -> None:
@@ -254,20 +376,24 @@ def _whole(what: str, number: Any) -> int:
     return as_count(number, what, "use a whole number from 0 on", least=0)
 
 
-def _numbers(core: ModelWorld, count: int | None, size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:
-    each = 1 if size is None else _whole("size", size)
-    found: Any = core.numbers(None if count is None else _whole("count", count), each, _whole("purpose", purpose), is_normal)
+def _numbers(core: ModelWorld, rows: NDArray[np.uint64], size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:
+    found: Any = core.numbers(rows, 1 if size is None else _whole("size", size), _whole("purpose", purpose), is_normal)
     numbers: NDArray[np.float64] = found[:, 0] if size is None else found
     return numbers
 
 
-def _new_agents(model: Model, columns: Mapping[str, ArrayLike]) -> list[object]:
-    """The values of new agents, an array for each column of the model."""
+def _new_agents(model: Model, kind: int | None, columns: Mapping[str, ArrayLike]) -> list[object]:
+    """The values of new agents of a kind, an array for each column of the model; empty for columns of other kinds."""
+    if model.kinds and kind is None:
+        first = next(iter(model.kinds))
+        raise Error(f"new agents have no kind\n  hint: the model {model.name} has {', '.join(model.kinds)}: add them to one, as in world.{first}.add")
     given = dict(columns)
     if "positions" in given:
         places = as_numbers(given.pop("positions"), "the positions of new agents", (None, 2), "use an array of shape (agents, 2)", finite=False)
         given["x"], given["y"] = places[:, 0], places[:, 1]
-    types = {"x": np.dtype(np.float64), "y": np.dtype(np.float64), **{name: np.dtype(kind) for name, kind in model.columns.items()}}
+    types = {"x": np.dtype(np.float64), "y": np.dtype(np.float64), **{name: np.dtype(found) for name, found in model.columns.items()}}
+    if kind is not None:
+        types.update(own_columns_of(model, kind))
     for name in given:
         if name not in types:
             raise Error(f"new agents have a column {name!r}\n  hint: the model has {', '.join(types)}")
@@ -280,7 +406,9 @@ def _new_agents(model: Model, columns: Mapping[str, ArrayLike]) -> list[object]:
         if len(found) != 1 or found not in (shape, (1,)):
             raise Error(f"column {name}: the values of new agents have shape {found}\n"
                         f"  hint: use a number or an array of shape {shape if len(shape) == 1 else '(agents,)'} for each column")
+    if kind is not None:
+        values[COLUMN] = np.asarray(kind, dtype=np.uint32)
     return [
-        np.ascontiguousarray(np.broadcast_to(values[name], shape)) if name in values else np.zeros(shape, dtype=kind)
-        for name, kind in types.items()
+        np.ascontiguousarray(np.broadcast_to(values[name], shape)) if name in values else np.zeros(shape if name in types else 0, dtype=found)
+        for name, found in [("x", "float64"), ("y", "float64"), *((name, column.type) for name, column in model._columns.items())]
     ]

@@ -163,11 +163,13 @@ class PythonModelKind final : public detail::AgentsKind {
                                                  ModelEngineSettings const& settings, ObserveSettings const& observed,
                                                  std::vector<std::string>& notes,
                                                  AllProcesses /*processes*/) const override {
-    World<TableModel> world{.box = box, .agents = AgentTable(definition_->columns), .clock = {}, .seed = seed};
+    World<TableModel> world{
+        .box = box, .agents = AgentTable(definition_->columns, definition_->kinds), .clock = {}, .seed = seed};
     ModelInstance model{.definition = definition_,
                         .object = {},
                         .threads = settings.threads,
-                        .events = std::make_shared<std::vector<std::uint64_t>>(definition_->events.size())};
+                        .events = std::make_shared<std::vector<std::uint64_t>>(definition_->events.size()),
+                        .searches = std::make_shared<KeptSearches>()};
     detail::blame_table(name(), [&] {
       nb::gil_scoped_acquire const acquired;
       nb::object const object = make_model();
@@ -175,7 +177,7 @@ class PythonModelKind final : public detail::AgentsKind {
         world.fields.emplace_back(name, columns, rows);
       }
       {
-        ShownWorld const start(world, *definition_, settings.threads, ModelWorld::Phase::start);
+        ShownWorld const start(world, *definition_, settings.threads, *model.searches, ModelWorld::Phase::start);
         call_python([&] { return object.attr("_start")(start.object()); });
       }
       model.time_step = nb::cast<double>(call_python([&] { return object.attr("_checked_time_step")(); }));
@@ -224,6 +226,8 @@ class PythonModelKind final : public detail::AgentsKind {
   std::vector<SettingDefinition> settings_;
 };
 
+/// The name, the type and the kinds of a column, see TableColumn.
+using ColumnTuple = std::tuple<std::string, std::string, std::vector<std::uint32_t>>;
 using SettingTuple = std::tuple<std::string, std::string, std::string, double, double, std::vector<std::string>,
                                 std::string, nb::object>;
 
@@ -236,14 +240,17 @@ SettingValue value_of(std::string const& type, nb::object const& value) {
 }
 
 void register_python_model(nb::object type, std::string name, std::string documentation,
-                           std::vector<std::pair<std::string, std::string>> const& columns,
-                           std::vector<std::string> events, std::map<std::string, std::vector<std::string>> value_names,
+                           std::vector<ColumnTuple> const& columns, std::size_t kinds, std::vector<std::string> events,
+                           std::map<std::string, std::vector<std::string>> value_names,
                            std::vector<SettingTuple> const& settings, bool replaces) {
   auto definition = std::make_shared<ModelDefinition>();
   definition->type = SharedObject(std::move(type));
   definition->name = std::move(name);
   definition->documentation = std::move(documentation);
-  for (auto const& [column, type_name] : columns) definition->columns.push_back({column, empty_column(type_name)});
+  for (auto const& [column, type_name, of_kinds] : columns) {
+    definition->columns.push_back({column, empty_column(type_name), of_kinds});
+  }
+  definition->kinds = kinds;
   definition->events = std::move(events);
   definition->value_names = std::move(value_names);
   for (auto const& [key, unit, text, min, max, choices, type_name, value] : settings) {
@@ -260,7 +267,8 @@ void bind_model(nb::module_& module) {
   bind_model_world(module);
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&let_go_of_all));
   module.def("register_model", &register_python_model, nb::arg("type"), nb::arg("name"), nb::arg("documentation"),
-             nb::arg("columns"), nb::arg("events"), nb::arg("value_names"), nb::arg("settings"), nb::arg("replaces"));
+             nb::arg("columns"), nb::arg("kinds"), nb::arg("events"), nb::arg("value_names"), nb::arg("settings"),
+             nb::arg("replaces"));
 }
 
 }  // namespace gridlock::python

@@ -52,7 +52,8 @@ struct ModelDefinition {
   SharedObject type;
   std::string name;
   std::string documentation;
-  std::vector<TableColumn> columns;  ///< columns besides x and y, without values
+  std::vector<TableColumn> columns;  ///< columns besides x and y, without values; see AgentTable
+  std::size_t kinds = 1;             ///< number of kinds of agents
   std::vector<std::string> events;
   std::map<std::string, std::vector<std::string>> value_names;  ///< meanings of values 0, 1, 2 … by column
   std::vector<SettingDefinition> settings;

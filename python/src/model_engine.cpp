@@ -48,6 +48,7 @@ void require_finite_fields(World<TableModel> const& world) {
 PythonModelEngine::PythonModelEngine(ModelInstance model) : model_(std::move(model)), thread_pool_(model_.threads) {}
 
 void PythonModelEngine::advance(World<TableModel>& world, Counters& /*counters*/, StopCondition const& stop_condition) {
+  expect_changes();
   while (!stop_condition.is_reached(world.clock, 0)) {
     step(world);
     ++world.clock.step;
@@ -61,6 +62,9 @@ void PythonModelEngine::require_valid(World<TableModel> const& world) const {
     require_inside(world);
   } catch (RunFailure const& failure) {
     throw Error(Problem{.what = failure.what()});
+  }
+  if (!world.agents.has_kinds_in_order()) {
+    throw Error(Problem{.what = "the column kind was changed", .hint = "an agent keeps its kind for its whole life"});
   }
 }
 
@@ -79,9 +83,9 @@ void PythonModelEngine::serialize(Archive& archive, World<TableModel> const& /*w
 }
 
 void PythonModelEngine::step(World<TableModel>& world) {
-  if (world.clock.step % steps_between_sorts == 0) sort_rows(world);
+  if (world.clock.step % steps_between_sorts == 0 && !is_sorted_) sort_rows(world);
   world.agents.put_vectors_side_by_side();
-  before_ = world.agents;
+  world.agents.forget_view();
   if (try_step(world)) return;
   // A second KeyboardInterrupt was raised by the model itself, not by Ctrl-C.
   if (!try_step(world)) {
@@ -97,17 +101,19 @@ void PythonModelEngine::step(World<TableModel>& world) {
 /// Carries out a step. Returns false and restores the agents if KeyboardInterrupt is raised, as by Ctrl-C.
 bool PythonModelEngine::try_step(World<TableModel>& world) {
   nb::gil_scoped_acquire const acquired;
-  ShownWorld const shown(world, *model_.definition, model_.threads, ModelWorld::Phase::step, &fields_before_);
+  ShownWorld const shown(world, *model_.definition, model_.threads, *model_.searches, ModelWorld::Phase::step,
+                         &before_);
   auto const restore = [&] {
+    expect_changes();
     shown->close();
-    world.agents.take_values(before_);
-    shown->restore_fields();
+    shown->restore();
   };
   try {
     model_.object.get().attr("_step")(shown.object());
     shown->close();
-    require_inside(world);
+    if (shown->has_changed_positions()) require_inside(world);
     if (shown->has_changed_fields()) require_finite_fields(world);
+    if (shown->has_changed_places_or_number()) expect_changes();
     apply(world, *shown.operator->());
   } catch (nb::python_error& error) {
     restore();
@@ -128,7 +134,7 @@ void PythonModelEngine::apply(World<TableModel>& world, ModelWorld const& asked)
     }
   }
   world.agents.remove(asked.deaths());
-  for (NewAgents const& born : asked.births()) world.agents.add(born.x, born.y, born.others);
+  for (NewAgents const& born : asked.births()) world.agents.add(born.kind, born.x, born.y, born.others);
   for (std::size_t k = 0; k < asked.events().size(); ++k) (*model_.events)[k] += asked.events()[k];
 }
 
@@ -136,6 +142,13 @@ void PythonModelEngine::sort_rows(World<TableModel>& world) {
   if (world.agents.size() == 0) return;
   order_.sort(layout_of(world), world.agents.x(), world.agents.y(), world.agents.ids(), thread_pool_);
   world.agents.reorder(order_.indices());
+  model_.searches->expect_changes();
+  is_sorted_ = true;
+}
+
+void PythonModelEngine::expect_changes() {
+  model_.searches->expect_changes();
+  is_sorted_ = false;
 }
 
 PythonModelObservations::PythonModelObservations(ModelInstance model, World<TableModel>& world)
@@ -147,7 +160,8 @@ void PythonModelObservations::begin(Snapshot const& /*start*/) {
   observed_.clear();
   {
     nb::gil_scoped_acquire const acquired;
-    ShownWorld const shown(world_, *model_.definition, model_.threads, ModelWorld::Phase::observation);
+    ShownWorld const shown(world_, *model_.definition, model_.threads, *model_.searches,
+                           ModelWorld::Phase::observation);
     nb::object const described = call_python([&] { return model_.object.get().attr("_observed")(shown.object()); });
     for (nb::handle const entry : described) {
       auto const [name, unit, documentation] = nb::cast<std::tuple<std::string, std::string, std::string>>(entry);
@@ -175,7 +189,8 @@ void PythonModelObservations::sample(Snapshot const& now, std::span<double> row,
 std::vector<double> PythonModelObservations::observe(std::uint64_t step) {
   nb::gil_scoped_acquire const acquired;
   try {
-    ShownWorld const shown(world_, *model_.definition, model_.threads, ModelWorld::Phase::observation);
+    ShownWorld const shown(world_, *model_.definition, model_.threads, *model_.searches,
+                           ModelWorld::Phase::observation);
     nb::list names;
     for (ColumnInfo const& column : observed_) names.append(column.name);
     return nb::cast<std::vector<double>>(model_.object.get().attr("_observe")(shown.object(), names));

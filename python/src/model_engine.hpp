@@ -22,6 +22,7 @@ struct ModelInstance {
   std::uint64_t threads = 1;
   /// Counts of each event since the start; the engine counts and observations read.
   std::shared_ptr<std::vector<std::uint64_t>> events = {};
+  std::shared_ptr<KeptSearches> searches = {};  ///< shared by steps and observations
 };
 
 /// Advances a world by the method `_step` of a model in Python.
@@ -44,12 +45,13 @@ class PythonModelEngine final : public EngineFor<TableModel> {
   bool try_step(World<TableModel>& world);
   void apply(World<TableModel>& world, ModelWorld const& asked);
   void sort_rows(World<TableModel>& world);
+  void expect_changes();
 
   ModelInstance model_;
-  AgentTable before_;  ///< agents before the step, to restore them if it fails
-  std::vector<Field> fields_before_;
+  BeforeStep before_;
   ThreadPool thread_pool_;
   CellList order_;
+  bool is_sorted_ = false;  ///< whether no agent has moved, died or been born since the rows were sorted
 };
 
 /// Throws RunFailure if an agent is outside the box.

@@ -4,6 +4,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <span>
@@ -16,30 +17,37 @@
 #include "gridlock/core/random.hpp"
 #include "gridlock/core/spread.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
+#include "gridlock/grid/neighbour_search.hpp"
 #include "gridlock/model/detail/checks.hpp"
-#include "gridlock/model/detail/motion.hpp"
 
 namespace gridlock::python {
 
 namespace {
 
-PointsInMemory points_of(AgentTable const& agents) {
-  return {.x = agents.x().data(), .y = agents.y().data(), .count = agents.size()};
+PointsInMemory points_of(AgentTable const& agents, RowRange rows) {
+  return {.x = agents.x().data() + rows.first, .y = agents.y().data() + rows.first, .count = rows.count()};
 }
 
-/// Returns the column that counts crossings of edges; empty if the model has no such column.
-std::span<std::int32_t> images(AgentTable& agents, std::string_view name) {
-  for (NamedColumn const& column : agents.columns()) {
-    if (column.name == name) return std::get<std::span<std::int32_t>>(column.values);
+/// Returns the neighbours of the agents in some rows among those in other rows.
+NeighbourLists find_among(World<TableModel> const& world, SearchOfRows const& rows) {
+  PointsInMemory const among = points_of(world.agents, rows.among);
+  NeighbourSearch const search(world.box, rows.cutoff, {among.x, among.count}, {among.y, among.count});
+  NeighbourLists lists{.begin = {0}, .neighbours = {}};
+  for (std::size_t row = rows.seeking.first; row < rows.seeking.end; ++row) {
+    search.for_each_neighbour(Vector{world.agents.x()[row], world.agents.y()[row]}, [&](std::size_t other, Vector) {
+      if (rows.among.first + other != row) lists.neighbours.push_back(static_cast<std::uint32_t>(other));
+    });
+    lists.begin.push_back(lists.neighbours.size());
   }
-  return {};
+  return lists;
 }
 
-/// Adds a crossing to an image. Errors: Error if the count exceeds its type.
-void count_crossing(std::int32_t& image, int crossed, std::string_view name) {
-  if (!__builtin_add_overflow(image, crossed, &image)) return;
-  throw Error({.what = "an agent crosses more edges than the column " + std::string(name) + " can count",
-               .hint = "it holds whole numbers from -2147483648 to 2147483647; begin with 0"});
+/// Returns an array that Python cannot write, since later searches may return it again.
+template <class Array>
+nb::object read_only(Array&& array) {
+  nb::object object = nb::cast(std::forward<Array>(array));
+  object.attr("setflags")(nb::arg("write") = false);
+  return object;
 }
 
 /// Returns the values of a Python array as a column of this type.
@@ -73,14 +81,25 @@ std::size_t ModelWorld::size() const {
   return world_.agents.size();
 }
 
+std::vector<std::size_t> ModelWorld::counts() const {
+  require_open();
+  return world_.agents.counts();
+}
+
 nb::object ModelWorld::column(std::string const& name) {
   require_open();
-  if (phase_ == Phase::observation) return lender_.column_to_read(world_.agents.columns(), name);
+  bool const is_kind = world_.agents.kinds() > 1 && name == AgentTable::kind_column;
+  if (phase_ == Phase::observation || is_kind) return lender_.column_to_read(world_.agents.columns(), name);
+  keep_before(name);
   return lender_.column(world_.agents.columns(), name);
 }
 nb::object ModelWorld::positions() {
   require_open();
-  if (phase_ != Phase::observation) return lender_.columns(world_.agents.columns(), X::name, Y::name);
+  if (phase_ != Phase::observation) {
+    keep_before(X::name);
+    keep_before(Y::name);
+    return lender_.columns(world_.agents.columns(), X::name, Y::name);
+  }
   // Positions are copied, since columns must not move while a sample is taken.
   AgentTable const& agents = world_.agents;
   UninitializedArray<double> positions(2 * agents.size());
@@ -95,20 +114,20 @@ nb::object ModelWorld::ids() {
   return lender_.ids(world_.agents.ids());
 }
 
-nb::object ModelWorld::numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose,
-                               bool is_normal) const {
+nb::object ModelWorld::numbers(RowNumbers const& rows, std::size_t each, std::uint64_t purpose, bool is_normal) const {
   require_open();
-  std::size_t const rows = count.value_or(world_.agents.size());
-  UninitializedArray<double> numbers(rows * each);
+  std::size_t const count = rows.shape(0);
+  UninitializedArray<double> numbers(count * each);
   double* next = numbers.data();
-  for (std::size_t row = 0; row < rows; ++row) {
+  for (std::size_t k = 0; k < count; ++k) {
+    if (phase_ != Phase::start) require_rows({rows(k), rows(k) + 1});
     // At the start the step is 0, so the purpose takes its position in the random stream.
-    RandomStream stream =
-        count ? RandomStream(world_.seed, purpose, row, Purpose::model_start)
-              : RandomStream(world_.seed, world_.clock.step, world_.agents.ids()[row], purpose_of_turn(purpose));
-    for (std::size_t k = 0; k < each; ++k) *next++ = is_normal ? stream.normal() : stream.uniform();
+    RandomStream stream = phase_ == Phase::start ? RandomStream(world_.seed, purpose, rows(k), Purpose::model_start)
+                                                 : RandomStream(world_.seed, world_.clock.step,
+                                                                world_.agents.ids()[rows(k)], purpose_of_turn(purpose));
+    for (std::size_t n = 0; n < each; ++n) *next++ = is_normal ? stream.normal() : stream.uniform();
   }
-  return nb::cast(owned_array(std::move(numbers), {rows, each}));
+  return nb::cast(owned_array(std::move(numbers), {count, each}));
 }
 
 nb::object ModelWorld::numbers_of_step(std::size_t count) const {
@@ -119,8 +138,8 @@ nb::object ModelWorld::numbers_of_step(std::size_t count) const {
   return nb::cast(owned_array(std::move(numbers)));
 }
 
-template <class Search>
-auto ModelWorld::find(Search search) const {
+template <class Search, class ToPython>
+nb::object ModelWorld::find(SearchOfRows const& rows, Search search, ToPython to_python) const {
   struct Counted {
     std::atomic<int>& count;
     explicit Counted(std::atomic<int>& searches) : count(searches) { ++count; }
@@ -131,54 +150,59 @@ auto ModelWorld::find(Search search) const {
     Counted(Counted const&) = delete;
     Counted& operator=(Counted const&) = delete;
   };
+  if (nb::object const known = kept_.find(rows, world_.agents, phase_ != Phase::step || has_changed_positions()))
+    return known;
+  std::uint64_t const version = kept_.version();
+  auto found = [&] {
+    Counted const counted(searches_);
+    nb::gil_scoped_release const released;
+    return search();
+  }();
+  nb::object const result = to_python(std::move(found));
+  kept_.keep(rows, result, version);
+  return result;
+}
+
+nb::object ModelWorld::neighbor_lists(double cutoff, RowsFromTo seeking, RowsFromTo among) const {
+  require_rows(seeking);
+  require_rows(among);
+  SearchOfRows const rows{
+      .cutoff = cutoff, .seeking = {seeking.first, seeking.second}, .among = {among.first, among.second}};
+  return find(
+      rows,
+      [&] {
+        return seeking == among
+                   ? find_neighbour_lists(world_.box, cutoff, points_of(world_.agents, rows.among), threads_)
+                   : find_among(world_, rows);
+      },
+      [](NeighbourLists&& lists) {
+        return nb::make_tuple(read_only(owned_array(std::move(lists.begin))),
+                              read_only(owned_array(std::move(lists.neighbours))));
+      });
+}
+
+nb::object ModelWorld::pairs(double cutoff, RowsFromTo among) const {
+  require_rows(among);
+  SearchOfRows const rows{.is_for_pairs = true, .cutoff = cutoff, .seeking = {}, .among = {among.first, among.second}};
+  return find(
+      rows, [&] { return find_pairs(world_.box, cutoff, points_of(world_.agents, rows.among), threads_); },
+      [](PointPairs&& pairs) { return read_only(array_of_pairs(std::move(pairs))); });
+}
+
+void ModelWorld::require_rows(RowsFromTo rows) const {
   require_open();
-  Counted const counted(searches_);
-  nb::gil_scoped_release const released;
-  return search(points_of(world_.agents));
+  if (rows.first <= rows.second && rows.second <= size()) return;
+  throw Error({.what = "there is no agent in row " + std::to_string(rows.second - 1) + " among " +
+                       std::to_string(world_.agents.size()),
+               .hint = "rows are those of the arrays in this step"});
 }
 
-nb::object ModelWorld::neighbor_lists(double cutoff) const {
-  return nb::cast(arrays_of_lists(
-      find([&](PointsInMemory const& points) { return find_neighbour_lists(world_.box, cutoff, points, threads_); })));
-}
-
-nb::object ModelWorld::pairs(double cutoff) const {
-  return nb::cast(array_of_pairs(
-      find([&](PointsInMemory const& points) { return find_pairs(world_.box, cutoff, points, threads_); })));
-}
-
-nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::device::cpu> const& displacements) {
+void ModelWorld::add(std::size_t kind, nb::typed<nb::list, nb::object> const& columns) {
   require_open();
-  AgentTable& agents = world_.agents;
-  if (displacements.shape(0) != agents.size()) {
-    throw Error({.what = "there are " + std::to_string(displacements.shape(0)) + " displacements for " +
-                         std::to_string(agents.size()) + " agents",
-                 .hint = "give an array of shape (N, 2)"});
-  }
-  std::vector<std::uint8_t> bounces(2 * agents.size());
-  auto const images_x = images(agents, ImageX::name);
-  auto const images_y = images(agents, ImageY::name);
-  auto const by = displacements.view();
-  for (std::size_t row = 0; row < agents.size(); ++row) {
-    Vector const displacement{by(row, 0), by(row, 1)};
-    if (!is_shorter_than_box(world_.box, displacement)) {
-      throw_long_displacement(world_.clock.step, agents.ids()[row], displacement, world_.box);
-    }
-    Motion const moved = motion(world_.box, {agents.x()[row], agents.y()[row]}, displacement);
-    agents.x()[row] = moved.end.x;
-    agents.y()[row] = moved.end.y;
-    if (!images_x.empty()) count_crossing(images_x[row], moved.crossed_x, ImageX::name);
-    if (!images_y.empty()) count_crossing(images_y[row], moved.crossed_y, ImageY::name);
-    bounces[2 * row] = static_cast<std::uint8_t>(moved.bounce.x);
-    bounces[2 * row + 1] = static_cast<std::uint8_t>(moved.bounce.y);
-  }
-  return nb::cast(owned_array(std::move(bounces), {agents.size(), 2}));
-}
-
-void ModelWorld::add(nb::typed<nb::list, nb::object> const& columns) {
-  require_open();
-  NewAgents born{
-      .x = values_of<std::vector<double>>(columns[0]), .y = values_of<std::vector<double>>(columns[1]), .others = {}};
+  NewAgents born{.kind = kind,
+                 .x = values_of<std::vector<double>>(columns[0]),
+                 .y = values_of<std::vector<double>>(columns[1]),
+                 .others = {}};
   for (std::size_t k = 0; k < definition_.columns.size(); ++k) {
     std::visit(
         [&](auto const& empty) {
@@ -187,20 +211,16 @@ void ModelWorld::add(nb::typed<nb::list, nb::object> const& columns) {
         definition_.columns[k].values);
   }
   if (phase_ == Phase::start) {
-    world_.agents.add(born.x, born.y, born.others);
+    world_.agents.add(kind, born.x, born.y, born.others);
   } else {
     births_.push_back(std::move(born));
   }
 }
 
-void ModelWorld::remove(nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu> const& rows) {
+void ModelWorld::remove(RowNumbers const& rows) {
   require_open();
   for (std::size_t k = 0; k < rows.shape(0); ++k) {
-    if (rows(k) >= world_.agents.size()) {
-      throw Error({.what = "there is no agent in row " + std::to_string(rows(k)) + " among " +
-                           std::to_string(world_.agents.size()),
-                   .hint = "rows are those of the arrays in this step"});
-    }
+    require_rows({rows(k), rows(k) + 1});
     dead_rows_.push_back(rows(k));
   }
 }
@@ -246,10 +266,10 @@ Field& ModelWorld::find_field(std::string const& name) const {
 
 Field& ModelWorld::field_to_change(std::string const& name) {
   Field& field = find_field(name);
-  if (fields_before_ != nullptr && std::ranges::find(fields_changed_, name) == fields_changed_.end()) {
-    auto const before = std::ranges::find(*fields_before_, name, &Field::name);
-    if (before == fields_before_->end()) {
-      fields_before_->push_back(field);
+  if (before_ != nullptr && std::ranges::find(fields_changed_, name) == fields_changed_.end()) {
+    auto const before = std::ranges::find(before_->fields, name, &Field::name);
+    if (before == before_->fields.end()) {
+      before_->fields.push_back(field);
     } else {
       std::ranges::copy(field.values(), before->values().begin());
     }
@@ -258,9 +278,43 @@ Field& ModelWorld::field_to_change(std::string const& name) {
   return field;
 }
 
-void ModelWorld::restore_fields() {
+void ModelWorld::keep_before(std::string_view column) {
+  if (before_ == nullptr || std::ranges::find(columns_changed_, column) != columns_changed_.end()) return;
+  for (NamedColumn const& present : world_.agents.columns()) {
+    if (present.name != column) continue;
+    columns_changed_.emplace_back(column);
+    auto before = std::ranges::find(before_->columns, column, &TableColumn::name);
+    if (before == before_->columns.end()) {
+      before = before_->columns.insert(before, TableColumn{std::string(column), ColumnValues(), {}});
+    }
+    std::visit(
+        [&](auto values) {
+          using Values = LargeArray<typename decltype(values)::value_type>;
+          if (!std::holds_alternative<Values>(before->values)) before->values = Values();
+          std::get<Values>(before->values).assign(values.begin(), values.end());
+        },
+        present.values);
+  }
+}
+
+bool ModelWorld::has_changed_positions() const {
+  return std::ranges::any_of(columns_changed_,
+                             [](std::string const& name) { return name == X::name || name == Y::name; });
+}
+
+void ModelWorld::restore() {
+  for (NamedColumn const& present : world_.agents.columns()) {
+    if (std::ranges::find(columns_changed_, present.name) == columns_changed_.end()) continue;
+    auto const before = std::ranges::find(before_->columns, present.name, &TableColumn::name);
+    std::visit(
+        [&](auto values) {
+          std::ranges::copy(std::get<LargeArray<typename decltype(values)::value_type>>(before->values),
+                            values.begin());
+        },
+        present.values);
+  }
   for (std::string const& name : fields_changed_) {
-    auto const before = std::ranges::find(*fields_before_, name, &Field::name);
+    auto const before = std::ranges::find(before_->fields, name, &Field::name);
     auto const field = std::ranges::find(world_.fields, name, &Field::name);
     std::ranges::copy(before->values(), field->values().begin());
   }
@@ -358,6 +412,7 @@ void bind_model_world(nb::module_& module) {
       .def("clock", &ModelWorld::clock)
       .def("seed", &ModelWorld::seed)
       .def("size", &ModelWorld::size)
+      .def("counts", &ModelWorld::counts)
       .def("column", &ModelWorld::column, nb::arg("name"))
       .def("positions", &ModelWorld::positions)
       .def("ids", &ModelWorld::ids)
@@ -366,13 +421,14 @@ void bind_model_world(nb::module_& module) {
       .def("deposit", &ModelWorld::deposit, nb::arg("name"), nb::arg("amounts"))
       .def("take", &ModelWorld::take, nb::arg("name"), nb::arg("amounts"))
       .def("spread", &ModelWorld::spread, nb::arg("name"), nb::arg("diffusion"), nb::arg("decay"), nb::arg("time"))
-      .def("numbers", &ModelWorld::numbers, nb::arg("count").none(), nb::arg("each"), nb::arg("purpose"),
-           nb::arg("is_normal"))
+      .def("numbers", &ModelWorld::numbers, nb::arg("rows"), nb::arg("each"), nb::arg("purpose"), nb::arg("is_normal"))
       .def("numbers_of_step", &ModelWorld::numbers_of_step, nb::arg("count"))
-      .def("neighbor_lists", &ModelWorld::neighbor_lists, nb::arg("cutoff"))
-      .def("pairs", &ModelWorld::pairs, nb::arg("cutoff"))
-      .def("move", &ModelWorld::move, nb::arg("displacements"))
-      .def("add", &ModelWorld::add, nb::arg("columns"))
+      .def("neighbor_lists", &ModelWorld::neighbor_lists, nb::arg("cutoff"), nb::arg("seeking"), nb::arg("among"))
+      .def("pairs", &ModelWorld::pairs, nb::arg("cutoff"), nb::arg("among"))
+      .def("move", &ModelWorld::move, nb::arg("displacements"), nb::arg("first"))
+      .def("move_apart", &ModelWorld::move_apart, nb::arg("displacements"), nb::arg("first"), nb::arg("radii"),
+           nb::arg("parts"), nb::arg("is_shuffled"))
+      .def("add", &ModelWorld::add, nb::arg("kind"), nb::arg("columns"))
       .def("remove", &ModelWorld::remove, nb::arg("rows"))
       .def("count", &ModelWorld::count, nb::arg("event"), nb::arg("times"));
 }

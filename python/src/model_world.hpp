@@ -14,15 +14,23 @@
 #include "column_lender.hpp"
 #include "gridlock/core/field.hpp"
 #include "gridlock/core/world.hpp"
+#include "kept_searches.hpp"
 #include "model.hpp"
 
 namespace gridlock::python {
 
-/// The values of new agents: an array for each column, x and y first.
+/// The values of new agents of one kind: an array for each column, x and y first, empty for columns of other kinds.
 struct NewAgents {
+  std::size_t kind = 0;
   std::vector<double> x;
   std::vector<double> y;
   std::vector<ColumnValues> others;
+};
+
+/// What a step has changed, as it was before. Room is kept for the next step.
+struct BeforeStep {
+  std::vector<Field> fields;
+  std::vector<TableColumn> columns;
 };
 
 /// The world that a model in Python sees at its start, in a step or in an observation, with its requests for changes.
@@ -32,16 +40,19 @@ class ModelWorld {
  public:
   enum class Phase { start, step, observation };
 
-  /// `fields_before` has room for the fields as they were, and outlives all use of this world.
-  ModelWorld(World<TableModel>& world, ModelDefinition const& definition, std::uint64_t threads, Phase phase,
-             std::vector<Field>* fields_before = nullptr)
-      : world_(world), definition_(definition), threads_(threads), phase_(phase), fields_before_(fields_before) {}
+  /// `kept` and `before` outlive all use of this world.
+  ModelWorld(World<TableModel>& world, ModelDefinition const& definition, std::uint64_t threads, KeptSearches& kept,
+             Phase phase, BeforeStep* before = nullptr)
+      : world_(world), definition_(definition), threads_(threads), kept_(kept), phase_(phase), before_(before) {}
 
   [[nodiscard]] BoxValues box() const;
   [[nodiscard]] std::pair<std::uint64_t, double> clock() const;
   [[nodiscard]] std::uint64_t seed() const;
   [[nodiscard]] std::size_t size() const;
+  /// Returns how many agents of each kind there are.
+  [[nodiscard]] std::vector<std::size_t> counts() const;
 
+  /// Returns the values of a column, of some kinds only where it is theirs.
   nb::object column(std::string const& name);
   nb::object positions();
   nb::object ids();
@@ -60,20 +71,30 @@ class ModelWorld {
   /// Spreads a field for a time step.
   void spread(std::string const& name, double diffusion, double decay, double time);
 
-  /// Returns `each` random numbers for each agent, or for each of `count` new agents, of shape (agents, each).
-  nb::object numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose, bool is_normal) const;
+  using RowNumbers = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+  /// Returns `each` random numbers for each of some rows, of shape (rows, each); in the start for new agents with these
+  /// numbers.
+  nb::object numbers(RowNumbers const& rows, std::size_t each, std::uint64_t purpose, bool is_normal) const;
   /// Returns random numbers for the whole model in this step.
   nb::object numbers_of_step(std::size_t count) const;
 
-  nb::object neighbor_lists(double cutoff) const;
-  nb::object pairs(double cutoff) const;
+  using RowsFromTo = std::pair<std::size_t, std::size_t>;
+  /// Returns the neighbours of the agents in some rows among those in others, both counted from their first rows.
+  nb::object neighbor_lists(double cutoff, RowsFromTo seeking, RowsFromTo among) const;
+  nb::object pairs(double cutoff, RowsFromTo among) const;
 
-  /// Moves each agent by its displacement; returns an array of shape (N, 2) that shows where walls turned it back.
-  nb::object move(nb::ndarray<double const, nb::shape<-1, 2>, nb::device::cpu> const& displacements);
+  using Displacements = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+  /// Moves the agents from a row on by displacements; returns an array of shape (agents, 2) that shows where walls
+  /// turned them back.
+  nb::object move(Displacements const& displacements, std::size_t first);
+  /// Moves the agents from a row on, but no nearer than the sum of their radii: move_apart(). Returns where walls have
+  /// halted them, of shape (agents, 2), and by which of these agents each was halted, or −1.
+  nb::object move_apart(Displacements const& displacements, std::size_t first, Amounts const& radii,
+                        std::uint64_t parts, bool is_shuffled);
 
-  /// Adds new agents. `columns` has an array for every column, x and y first, of the column's type.
-  void add(nb::typed<nb::list, nb::object> const& columns);
-  void remove(nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu> const& rows);
+  /// Adds new agents of a kind. `columns` has an array for every column, x and y first, of the column's type.
+  void add(std::size_t kind, nb::typed<nb::list, nb::object> const& columns);
+  void remove(RowNumbers const& rows);
   void count(std::size_t event, std::uint64_t times);
 
   /// Ends the access of Python. Arrays that Python still holds get memory of their own. Waits for searches in other
@@ -85,31 +106,42 @@ class ModelWorld {
   [[nodiscard]] std::vector<NewAgents> const& births() const { return births_; }
   [[nodiscard]] std::vector<std::uint64_t> const& events() const { return events_; }
   [[nodiscard]] bool has_changed_fields() const { return !fields_changed_.empty(); }
-  /// Puts fields back that this step has changed. Contract: there was room for them.
-  void restore_fields();
+  [[nodiscard]] bool has_changed_positions() const;
+  [[nodiscard]] bool has_changed_places_or_number() const {
+    return has_changed_positions() || !births_.empty() || !dead_rows_.empty();
+  }
+  /// Puts columns and fields back that this step has changed. Contract: there was room for them.
+  void restore();
 
  private:
   void require_open() const;
+  /// Keeps a copy of what a column was, before the step changes it.
+  void keep_before(std::string_view column);
+  void require_rows(RowsFromTo rows) const;
+  void require_displacements(Displacements const& displacements, std::size_t first) const;
+  [[nodiscard]] std::vector<std::uint32_t> order_of_turns(RowsFromTo rows, bool is_shuffled) const;
   [[nodiscard]] Field& find_field(std::string const& name) const;
   /// Returns a field to be changed, and keeps a copy of what it was.
   Field& field_to_change(std::string const& name);
   [[nodiscard]] Vector place_of(std::size_t row) const;
   void require_one_for_each_agent(Amounts const& amounts) const;
-  /// Returns the result of a search among the agents, without holding the GIL.
-  template <class Search>
-  auto find(Search search) const;
+  /// Returns the result of a search among the agents, made without holding the GIL if it is not known.
+  template <class Search, class ToPython>
+  nb::object find(SearchOfRows const& rows, Search search, ToPython to_python) const;
 
   World<TableModel>& world_;
   ModelDefinition const& definition_;
   std::uint64_t threads_;
+  KeptSearches& kept_;
   Phase phase_;
   bool is_closed_ = false;
   mutable std::atomic<int> searches_ = 0;  ///< searches in progress
   ColumnLender lender_;
   std::vector<std::uint64_t> dead_rows_;
   std::vector<NewAgents> births_;
-  std::vector<Field>* fields_before_;        ///< nullptr if nothing is to be restored
-  std::vector<std::string> fields_changed_;  ///< names of those that were to be changed, whose copies are up to date
+  BeforeStep* before_;                        ///< nullptr if nothing is to be restored
+  std::vector<std::string> fields_changed_;   ///< names of those that were to be changed, whose copies are up to date
+  std::vector<std::string> columns_changed_;  ///< the same of columns
   std::vector<std::uint64_t> events_ = std::vector<std::uint64_t>(definition_.events.size());
 };
 
@@ -119,8 +151,9 @@ class ShownWorld {
  public:
   /// `others` are the arguments of the constructor of ModelWorld after the world.
   template <class... Others>
-  explicit ShownWorld(World<TableModel>& world, Others const&... others)
-      : world_(new ModelWorld(world, others...)), object_(nb::cast(world_, nb::rv_policy::take_ownership)) {}
+  explicit ShownWorld(World<TableModel>& world, ModelDefinition const& definition, Others&&... others)
+      : world_(new ModelWorld(world, definition, std::forward<Others>(others)...)),
+        object_(nb::cast(world_, nb::rv_policy::take_ownership)) {}
   ~ShownWorld() { world_->close(); }
   ShownWorld(ShownWorld const&) = delete;
   ShownWorld& operator=(ShownWorld const&) = delete;
