@@ -97,7 +97,7 @@ class Frame:
         return np.unique(np.stack(named, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
 
     def of_kind(self, kind: str) -> Frame:
-        """The agents of one kind of a model with :attr:`gridlock.Model.kinds`; columns that they do not have are 0.
+        """The agents of one kind, by the names of the values of the column ``kind``; columns that they do not have are 0.
 
         :raises Error: for a kind that the model does not have.
         """

@@ -76,8 +76,8 @@ class Results(Mapping[str, Result]):
 class Agents:
     """The agents of a simulation as arrays, without a copy.
 
-    ``agents.x``, ``agents["x"]`` and all other columns have shape (N,); ``positions`` and ``velocities`` have shape (N, 2). What
-    is written into them is what the simulation goes on with; it is checked then. Row k is the agent ``ids[k]``: rows change
+    ``agents.x``, ``agents["x"]`` and all other columns have shape (N,), those of one kind of agents a row for each of that kind;
+    ``positions`` and ``velocities`` have shape (N, 2). What is written into them is what the simulation goes on with; it is checked then. Row k is the agent ``ids[k]``: rows change
     their order while a simulation runs, Ids do not.
 
     An array is the simulation's own until it goes on, or until the callback returns that took it. Afterwards it keeps the values it

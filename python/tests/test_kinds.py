@@ -1,5 +1,7 @@
 """Kinds of agents in one model of Python, each with columns of its own."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -217,6 +219,35 @@ def test_what_kinds_cannot_do_is_refused(step, message):
     with pytest.raises(gridlock.RunFailure) as failure:
         stepped(step)
     assert failure.match(message.replace("\n", "(?s:.*)"))
+
+
+@pytest.mark.filterwarnings("ignore:turns are slow without Numba")
+def test_turns_see_the_kind_of_an_agent_and_refuse_columns_of_one_kind(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numba", None)  # which needs seconds to compile
+
+    class Turns(gridlock.Model):
+        name = "test_kinds_in_turns"
+        columns = {"seen": np.uint32}
+        kinds = {"wolf": {}, "sheep": {}}
+        cutoff = 0.1
+
+        def start(self, start):
+            start.sheep.add(positions=start.sheep.anywhere(40))
+            start.wolf.add(positions=start.wolf.anywhere(10))
+
+        @staticmethod
+        def turn(row, neighbors, separations, now, next, settings, random, events):
+            for k in neighbors:
+                next.seen[row] += now.kind[k]
+
+    simulation = gridlock.Simulation(model=Turns, box=OBLONG)
+    simulation.run(steps=1)
+    frame = simulation.frame
+    near = gridlock.neighbors(frame.positions, 0.1, frame.box)
+    assert np.array_equal(frame.seen, near.sum(frame.kind == 1)) and frame.seen.sum() > 20
+    Turns.kinds = {"wolf": {"hunger": float}, "sheep": {}}
+    with pytest.raises(gridlock.Error, match="has turns, and columns of some kinds"):
+        gridlock.register_model(Turns)
 
 
 def test_agents_do_not_change_their_kind():
