@@ -32,12 +32,12 @@ Values gathered(Values const& values, std::span<std::uint32_t const> rows) {
 
 bool TableColumn::is_of(std::size_t kind) const { return kinds.empty() || std::ranges::count(kinds, kind) != 0; }
 
-RowRange AgentTable::rows_of(std::optional<std::size_t> kind) const {
+RowSpan AgentTable::rows_of(std::optional<std::size_t> kind) const {
   if (!kind) return {0, size()};
   return places_in({}, *kind);
 }
 
-RowRange AgentTable::places_in(TableColumn const& column, std::size_t kind) const {
+RowSpan AgentTable::places_in(TableColumn const& column, std::size_t kind) const {
   std::size_t first = 0;
   for (std::size_t k = 0; k < kind; ++k) first += column.is_of(k) ? counts_[k] : 0;
   return {first, first + (column.is_of(kind) ? counts_[kind] : 0)};
@@ -47,7 +47,7 @@ std::vector<std::uint32_t> AgentTable::places_of(TableColumn const& column, std:
   std::vector<std::uint32_t> places;
   for (std::size_t kind = 0; kind < kinds(); ++kind) {
     if (!column.is_of(kind)) continue;
-    RowRange const own = rows_of(kind);
+    RowSpan const own = rows_of(kind);
     std::size_t const first = places_in(column, kind).first;
     for (std::size_t k = own.first; k < own.end; ++k) {
       places.push_back(static_cast<std::uint32_t>(first + rows[k] - own.first));
@@ -59,7 +59,7 @@ std::vector<std::uint32_t> AgentTable::places_of(TableColumn const& column, std:
 bool AgentTable::has_kinds_in_order() const {
   if (kinds() == 1) return true;
   for (std::size_t kind = 0; kind < kinds(); ++kind) {
-    RowRange const own = rows_of(kind);
+    RowSpan const own = rows_of(kind);
     auto const values = kind_of_rows().subspan(own.first, own.count());
     if (std::ranges::any_of(values, [&](std::uint32_t value) { return value != kind; })) return false;
   }
@@ -124,14 +124,14 @@ void AgentTable::remove_in_order(std::span<Id const> ids) {
     std::vector<bool> keep_values;
     for (std::size_t kind = 0; kind < kinds(); ++kind) {
       if (!column.is_of(kind)) continue;
-      RowRange const own = rows_of(kind);
+      RowSpan const own = rows_of(kind);
       keep_values.insert(keep_values.end(), keep.begin() + static_cast<std::ptrdiff_t>(own.first),
                          keep.begin() + static_cast<std::ptrdiff_t>(own.end));
     }
     std::visit([&](auto& values) { values = some_of(values, keep_values); }, column.values);
   }
   for (std::size_t kind = kinds(); kind-- > 0;) {
-    RowRange const own = rows_of(kind);
+    RowSpan const own = rows_of(kind);
     for (std::size_t row = own.first; row < own.end; ++row) counts_[kind] -= keep[row] ? 0 : 1;
   }
   std::vector<Id> const left = some_of(std::vector<Id>(places_.ids().begin(), places_.ids().end()), keep);
@@ -186,7 +186,7 @@ std::span<typename Values::value_type const> AgentTable::expand(TableColumn cons
   auto& all = std::get<Values>(expanded);
   all.resize(size());
   for (std::size_t kind = 0; kind < kinds(); ++kind) {
-    RowRange const own = rows_of(kind);
+    RowSpan const own = rows_of(kind);
     auto const to = all.begin() + static_cast<std::ptrdiff_t>(own.first);
     if (column.is_of(kind)) {
       std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(places_in(column, kind).first), own.count(), to);
@@ -208,7 +208,7 @@ std::vector<NamedColumn> AgentTable::columns() {
 std::uint64_t AgentTable::sum_of_hashes() const {
   std::uint64_t sum = 0;
   for (std::size_t kind = 0; kind < kinds(); ++kind) {
-    RowRange const own = rows_of(kind);
+    RowSpan const own = rows_of(kind);
     std::vector<TableColumn const*> columns;
     for (TableColumn const& column : others_) {
       if (column.is_of(kind)) columns.push_back(&column);

@@ -33,13 +33,13 @@ struct TableColumn {
 };
 
 /// The rows from the first to before the end.
-struct RowRange {
+struct RowSpan {
   std::size_t first = 0;
   std::size_t end = 0;
 
   [[nodiscard]] std::size_t count() const { return end - first; }
 
-  friend bool operator==(RowRange const&, RowRange const&) = default;
+  friend bool operator==(RowSpan const&, RowSpan const&) = default;
 };
 
 /// Agents with columns that are known only at run time: x, y, and others by name. It behaves as a Population with these
@@ -69,9 +69,9 @@ class AgentTable {
   /// Returns how many agents of each kind there are.
   [[nodiscard]] std::vector<std::size_t> const& counts() const { return counts_; }
   /// Returns the rows of the agents of a kind, of all without one.
-  [[nodiscard]] RowRange rows_of(std::optional<std::size_t> kind) const;
+  [[nodiscard]] RowSpan rows_of(std::optional<std::size_t> kind) const;
   /// Returns the places in a column of the values of the agents of a kind; none if the kind does not have it.
-  [[nodiscard]] RowRange places_in(TableColumn const& column, std::size_t kind) const;
+  [[nodiscard]] RowSpan places_in(TableColumn const& column, std::size_t kind) const;
   /// Returns whether the column `kind` is what it was: the order of the rows depends on it.
   [[nodiscard]] bool has_kinds_in_order() const;
 

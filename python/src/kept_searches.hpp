@@ -17,8 +17,8 @@ namespace gridlock::python {
 struct SearchOfRows {
   bool is_for_pairs = false;
   double cutoff = 0.0;
-  RowRange seeking;
-  RowRange among;
+  RowSpan seeking;
+  RowSpan among;
 
   friend bool operator==(SearchOfRows const&, SearchOfRows const&) = default;
 };

@@ -24,7 +24,7 @@ namespace gridlock::python {
 
 namespace {
 
-PointsInMemory points_of(AgentTable const& agents, RowRange rows) {
+PointsInMemory points_of(AgentTable const& agents, RowSpan rows) {
   return {.x = agents.x().data() + rows.first, .y = agents.y().data() + rows.first, .count = rows.count()};
 }
 

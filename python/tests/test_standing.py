@@ -145,6 +145,29 @@ def test_no_two_agents_that_move_apart_overlap(edge, shuffled):
     assert np.any(walls, axis=0).tolist() == [edge["edge"] == "wall", edge != {"edge": "periodic"}]
 
 
+@pytest.mark.parametrize("edge", ["periodic", "wall"])
+def test_agents_can_start_anywhere_without_overlap(edge):
+    radius = np.where(np.arange(150) % 3 == 0, 0.03, 0.02)
+
+    def start(begin):
+        places = begin.anywhere(150, radius=radius)
+        assert np.array_equal(places, begin.anywhere(150, radius=radius))
+        begin.add(positions=places)
+
+    def step(world):
+        of_rows = radius[world.ids.astype(int)]
+        assert smallest_gap(world, of_rows) >= 0
+        if edge == "wall":
+            assert np.all((world.positions.T >= of_rows) & (world.positions.T <= np.array([[1.5], [0.6]]) - of_rows))
+
+    stepped(step, start, box={**OBLONG, "edge": edge})
+
+
+def test_agents_that_find_no_place_are_refused():
+    with pytest.raises(gridlock.Error, match="of 200 agents find no place without overlap"):
+        stepped(lambda world: None, lambda start: start.add(positions=start.anywhere(200, radius=0.04)))
+
+
 def test_an_agent_halts_before_the_part_that_would_overlap():
     def start(begin):
         begin.add(x=[0.1, 0.35, 0.2], y=[0.2, 0.2, 0.5])

@@ -73,6 +73,32 @@ TYPED_TEST(ModelEngineOf, GivesEveryAgentOneTurnAStepHoweverManyThereComeToBe) {
   }
 }
 
+TYPED_TEST(ModelEngineOf, FindsTheSameNeighboursWhetherOrNotAgentsStoodStillBefore) {
+  using Model = Scripted<TypeParam::schedule>;
+  // They stand still, but for a step in which they move, one in which some die and one in which some have a child.
+  Model const model{.script = [](Turn<Model>& self) {
+    self.for_each_neighbour(0.1, [&](auto const& other) {
+      self.template set<ImageX>(self.template get<ImageX>() + static_cast<std::int32_t>(other.id()));
+    });
+    std::uint64_t const step = self.clock().step;
+    if (step == 3) self.move_by(0.09 * self.random().in_unit_disk());
+    if (step == 6 && self.id() % 3 == 0) self.die();
+    if (step == 9 && self.id() % 4 == 0) self.give_birth(self.position().x, self.position().y, 0, 0);
+  }};
+  std::vector<Vector> places;
+  for (std::uint64_t k = 0; k < 60; ++k)
+    places.push_back({0.016 * static_cast<double>(k), 0.5 + 0.004 * static_cast<double>(k % 7)});
+  auto at_once = world_of<TypeParam::schedule>(Box(1.0, 1.0, Edge::periodic), places);
+  auto step_by_step = at_once;
+  ModelEngine<Model> engine(model, at_once.box, {.verify_every = 1});
+  engine.advance(at_once, {.step = 13});
+  for (std::uint64_t step = 1; step <= 13; ++step) {
+    ModelEngine<Model>(model, at_once.box, {}).advance(step_by_step, {.step = step});
+  }
+  EXPECT_EQ(hash(at_once), hash(step_by_step));
+  EXPECT_EQ(at_once.agents.size(), 50U);
+}
+
 TYPED_TEST(ModelEngineOf, EndsWithTheStepThatReachesTheTime) {
   using Model = Scripted<TypeParam::schedule>;
   auto world = world_of<TypeParam::schedule>(Box(1.0, 1.0, Edge::wall), {{0.5, 0.5}});
