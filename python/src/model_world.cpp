@@ -150,7 +150,7 @@ nb::object ModelWorld::find(SearchOfRows const& rows, Search search, ToPython to
     Counted(Counted const&) = delete;
     Counted& operator=(Counted const&) = delete;
   };
-  if (nb::object const known = kept_.find(rows, world_.agents, phase_ != Phase::step || has_changed_positions()))
+  if (nb::object known = kept_.find(rows, world_.agents, phase_ != Phase::step || has_changed_positions()))
     return known;
   std::uint64_t const version = kept_.version();
   auto found = [&] {
@@ -158,7 +158,7 @@ nb::object ModelWorld::find(SearchOfRows const& rows, Search search, ToPython to
     nb::gil_scoped_release const released;
     return search();
   }();
-  nb::object const result = to_python(std::move(found));
+  nb::object result = to_python(std::move(found));
   kept_.keep(rows, result, version);
   return result;
 }

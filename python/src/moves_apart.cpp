@@ -100,7 +100,7 @@ MovesApart move_apart(DisksToMove const& disks, std::span<double const> by) {
                   .crossed = std::vector<std::int32_t>(2 * count)};
   if (count == 0) return ends;
   DisksInTurn in_turn(disks, ends);
-  for (std::uint32_t const row : disks.order) in_turn.move(row, {by[2 * row], by[2 * row + 1]});
+  for (std::size_t const row : disks.order) in_turn.move(row, {by[2 * row], by[2 * row + 1]});
   return ends;
 }
 
