@@ -189,7 +189,6 @@ double step_duration(EngineSettings const& settings, double smallest_radius) {
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
   static constexpr std::array<std::string_view, 2> grids{"linked", "packed"};
-  static constexpr std::array<std::string_view, 2> chains{"straight", "newtonian"};
   visit_kind(visitor, settings.kind);
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
@@ -232,19 +231,7 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
               .documentation = "How stepped finds the neighbours of a disk: \"linked\" is the paper's lists in k × k "
                                "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
              grids, settings.grid);
-  visit_enum(visitor,
-             {.key = "chains",
-              .documentation = "How the disks of event_chain move one after the other: \"straight\" up and to the "
-                               "right, or \"newtonian\", each by its velocity, which contacts change."},
-             chains, settings.chains);
-  visitor.visit({.key = "chain_length",
-                 .unit = "contacts",
-                 .documentation = "About how many disks of event_chain move in one chain. A step has chains with "
-                                  "about as many contacts as there are disks.",
-                 .min = 1,
-                 .max = 1e9,
-                 .default_note = "8 √N, and 1,000 at most"},
-                settings.chain_length);
+  describe_chains(settings.chains, settings.chain_length, visitor);
   describe_threads(settings, visitor);
 }
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,7 +32,7 @@ void require_periodic_sides(State const& state) {
   throw Error({.what = fmt::format("the box of {} × {} is too small for event chains: these disks need sides of at "
                                    "least {:.6g}",
                                    state.box.width(), state.box.height(), needed),
-               .hint = "use more disks, or engine.kind = \"exact\"",
+               .hint = "use more disks, or engine.kind = \"exact\", in a protocol a stage \"run\"",
                .key = "engine.kind"});
 }
 
@@ -46,7 +48,7 @@ void require_mobile_disks(Disks const& disks) {
 void require_newtonian(Disks const& disks) {
   auto const masses = disks.column<Mass>();
   auto const refuse = [](std::string what) {
-    throw Error({.what = std::move(what), .hint = "use engine.chains = \"straight\"", .key = "engine.chains"});
+    throw Error({.what = std::move(what), .hint = "use chains = \"straight\"", .key = "engine.chains"});
   };
   if (std::ranges::any_of(masses, [&](double mass) { return mass != masses[0]; })) {
     refuse("Newtonian chains need disks of one mass");
@@ -79,6 +81,23 @@ EngineRecord event_chain_record() {
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
             return std::make_unique<EventChainEngine>(settings, state);
           }};
+}
+
+void describe_chains(ChainKind& chains, std::optional<std::uint64_t>& chain_length, SettingVisitor& visitor) {
+  static constexpr std::array<std::string_view, 2> names{"straight", "newtonian"};
+  visit_enum(visitor,
+             {.key = "chains",
+              .documentation = "How the disks of event_chain move one after the other: \"straight\" up and to the "
+                               "right, or \"newtonian\", each by its velocity, which contacts change."},
+             names, chains);
+  visitor.visit({.key = "chain_length",
+                 .unit = "contacts",
+                 .documentation = "About how many disks of event_chain move in one chain. A step, or a sweep of a "
+                                  "stage, has chains with about as many contacts as there are disks.",
+                 .min = 1,
+                 .max = 1e9,
+                 .default_note = "8 √N, and 1,000 at most"},
+                chain_length);
 }
 
 std::vector<Count> EventChainEngine::counts(State const& /*state*/, Counters const& counters) const {
@@ -118,6 +137,15 @@ void EventChainEngine::require_valid(State const& state) const {
   require_periodic_sides(state);
   require_mobile_disks(state.agents);
   if (kind_ == ChainKind::newtonian && !state.agents.empty()) require_newtonian(state.agents);
+}
+
+void EventChainEngine::serialize(Archive& archive, State const& /*state*/) {
+  archive.visit("length", length_);
+  archive.visit("speed", speed_);
+  archive.visit("duration", duration_);
+  archive.visit("virial_factor", virial_factor_);
+  archive.require(std::isfinite(length_) && length_ >= 0.0 && speed_ > 0.0 && duration_ > 0.0,
+                  "the length of chains is no number above 0");
 }
 
 void EventChainEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gridlock/engine/engine.hpp"
@@ -8,6 +9,9 @@
 namespace gridlock {
 
 EngineRecord event_chain_record();
+
+/// Visits the settings `chains` and `chain_length`, which the engine and the stage of this name have.
+void describe_chains(ChainKind& chains, std::optional<std::uint64_t>& chain_length, SettingVisitor& visitor);
 
 /// The engine `event_chain`: Monte Carlo of hard disks in a periodic box by event chains, which has no dynamics but
 /// finds equilibrium with less work than `exact`; docs/explanation/event_chain.md has the rules and the pressure.
@@ -30,6 +34,8 @@ class EventChainEngine final : public Engine {
   [[nodiscard]] double time_step() const override { return duration_; }
   [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override;
   void require_valid(State const& state) const override;
+  /// Serializes lengths and durations, which follow from the disks with which the engine was made.
+  void serialize(Archive& archive, State const& state) override;
 
  private:
   ChainKind kind_;

@@ -23,7 +23,6 @@ constexpr double min_step = 1e-12;         // least value of the largest displac
 constexpr double wanted_acceptance = 0.4;  // fraction of displacements accepted
 constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // gives the accepted fraction to ±0.015
 constexpr std::uint64_t max_stages = std::uint64_t{1} << 24;
-constexpr double enough_relaxation_times = 10.0;
 constexpr double largest_drift = 0.5;  // of a density in equilibrium; a hundred independent values drift by 0.2
 
 void require(bool holds, std::string what, std::string hint, std::string key) {
@@ -199,25 +198,21 @@ std::vector<SwapDensity> SwapMonteCarlo::densities() const {
 SwapReport SwapMonteCarlo::report() const {
   Progress const& progress = *progress_;
   SwapCounts const& counts = progress.counts;
-  std::vector<SwapCorrelation> const correlations = this->correlations();
+  RelaxationTimes const times = progress.relaxation.times(progress.sweep - progress.adjusting_sweeps);
   SwapReport report{.sweeps = progress.sweep,
                     .step = progress.step / progress.diameter,
                     .displacement_acceptance = share(counts.accepted_displacements, counts.displacements),
                     .swap_acceptance = share(counts.accepted_swaps, counts.swaps),
                     .area_acceptance = share(counts.accepted_area_changes, counts.area_changes),
-                    .overlap_relaxation_time = relaxation_time(correlations, &SwapCorrelation::self_overlap),
-                    .bond_relaxation_time = relaxation_time(correlations, &SwapCorrelation::bond_orientation)};
-  if (report.overlap_relaxation_time && report.bond_relaxation_time) {
-    double const longer = std::max(*report.overlap_relaxation_time, *report.bond_relaxation_time);
-    report.relaxation_times = static_cast<double>(progress.sweep - progress.adjusting_sweeps) / longer;
-  }
+                    .overlap_relaxation_time = times.overlap,
+                    .bond_relaxation_time = times.bond,
+                    .relaxation_times = times.in_run};
   std::vector<double> const packing_fractions = packing_fractions_that_count(densities());
   report.density_drift = drift_of(packing_fractions);
   if (!packing_fractions.empty()) report.reduced_pressure = progress.area->reduced_pressure(mean_of(packing_fractions));
   bool const drifts = std::abs(report.density_drift.value_or(0.0)) >= largest_drift;
-  bool const is_relaxed = report.relaxation_times.value_or(0.0) >= enough_relaxation_times;
-  report.is_equilibrated = is_relaxed && !drifts;
-  if (!is_relaxed) {
+  report.is_equilibrated = times.is_enough && !drifts;
+  if (!times.is_enough) {
     report.warning = progress.missing(report);
   } else if (drifts) {
     report.warning = fmt::format(

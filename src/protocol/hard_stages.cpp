@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/swap/relaxation.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/engine/growth.hpp"
 #include "gridlock/engine/swap_monte_carlo.hpp"
@@ -50,6 +51,13 @@ void check_grow(StageCheck const& check) {
   check.check_direction(true, "");
 }
 
+/// Returns βP/ρ = 1 + Σ r·Δp / (2 t E_kin), because N kT = E_kin in two dimensions; nothing where nothing moves.
+std::optional<double> reduced_pressure(Counters const& counters, double time, State const& state) {
+  double const energy = kinetic_energy(state.agents);
+  if (!(time > 0.0 && energy > 0.0)) return std::nullopt;
+  return 1.0 + counters.pair_virial / (2.0 * time * energy);
+}
+
 /// The stage `run`: hard disks by the engine `exact`. The reduced pressure is measured over the whole stage.
 class RunStage final : public Stage {
  public:
@@ -75,12 +83,9 @@ class RunStage final : public Stage {
   }
   [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
   [[nodiscard]] StageResult result(State const& state) const override {
-    StageResult result{.packing_fraction = packing_fraction_of(state), .pair_collisions = counters_.pair_collisions};
-    double const time = state.clock.time - start_time_;
-    double const energy = kinetic_energy(state.agents);
-    // βP/ρ = 1 + Σ r·Δp / (2 t E_kin), because N kT = E_kin in two dimensions.
-    if (time > 0.0 && energy > 0.0) result.pressure = 1.0 + counters_.pair_virial / (2.0 * time * energy);
-    return result;
+    return {.packing_fraction = packing_fraction_of(state),
+            .pressure = reduced_pressure(counters_, state.clock.time - start_time_, state),
+            .pair_collisions = counters_.pair_collisions};
   }
 
  private:
@@ -123,6 +128,17 @@ class RunStage final : public Stage {
   Counters counters_;
 };
 
+/// Returns correlations at lags in sweeps as results.
+SwapResult result_of(std::vector<SwapCorrelation> const& correlations) {
+  SwapResult result;
+  for (SwapCorrelation const& correlation : correlations) {
+    result.lags.push_back(static_cast<double>(correlation.lag));
+    result.self_overlap.push_back(correlation.self_overlap);
+    result.bond_orientation.push_back(correlation.bond_orientation);
+  }
+  return result;
+}
+
 /// The stages `swap` and `monte_carlo`: Monte Carlo of hard disks with and without swaps of radii.
 class SwapStage final : public Stage {
  public:
@@ -136,19 +152,15 @@ class SwapStage final : public Stage {
   [[nodiscard]] std::uint64_t work() const override { return swap_.sweeps_done(); }
   [[nodiscard]] StageResult result(State const& state) const override {
     SwapReport const report = swap_.report();
-    SwapResult swap{.displacement_acceptance = report.displacement_acceptance,
-                    .swap_acceptance = report.swap_acceptance,
-                    .area_acceptance = report.area_acceptance,
-                    .overlap_relaxation_time = report.overlap_relaxation_time,
-                    .bond_relaxation_time = report.bond_relaxation_time,
-                    .relaxation_times = report.relaxation_times,
-                    .density_drift = report.density_drift,
-                    .is_equilibrated = report.is_equilibrated};
-    for (SwapCorrelation const& correlation : swap_.correlations()) {
-      swap.lags.push_back(static_cast<double>(correlation.lag));
-      swap.self_overlap.push_back(correlation.self_overlap);
-      swap.bond_orientation.push_back(correlation.bond_orientation);
-    }
+    SwapResult swap = result_of(swap_.correlations());
+    swap.displacement_acceptance = report.displacement_acceptance;
+    swap.swap_acceptance = report.swap_acceptance;
+    swap.area_acceptance = report.area_acceptance;
+    swap.overlap_relaxation_time = report.overlap_relaxation_time;
+    swap.bond_relaxation_time = report.bond_relaxation_time;
+    swap.relaxation_times = report.relaxation_times;
+    swap.density_drift = report.density_drift;
+    swap.is_equilibrated = report.is_equilibrated;
     for (SwapDensity const& density : swap_.densities()) {
       swap.density_sweeps.push_back(static_cast<double>(density.sweep));
       swap.packing_fractions.push_back(density.packing_fraction);
@@ -168,6 +180,69 @@ class SwapStage final : public Stage {
   }
 
   SwapMonteCarlo swap_;
+};
+
+/// The stage `event_chain`: hard disks by the engine of this name, whose steps are sweeps here. The clock of the state
+/// stays. The reduced pressure is measured over the whole stage.
+class EventChainStage final : public Stage {
+ public:
+  EventChainStage(ProtocolSettings const& protocol, std::size_t number, State const& state)
+      : sweeps_(protocol.stages[number].sweeps.value_or(1)), first_step_((number + 1) * (max_sweeps + 1)) {
+    StageSettings const& settings = protocol.stages[number];
+    engine_ =
+        make_engine({.kind = "event_chain", .chains = settings.chains, .chain_length = settings.chain_length}, state);
+    relaxation_ = Relaxation(state, sweeps_);
+  }
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    if (sweep_ == 0) relaxation_.look_at(SwapTrials(state), 0);
+    Clock const clock = std::exchange(state.clock, {.step = first_step_ + sweep_});
+    bool goes_on = true;
+    StopCondition stop_condition;
+    stop_condition.should_continue = [&] {
+      goes_on = !should_continue || should_continue();
+      return goes_on;
+    };
+    while (goes_on && sweep_ < sweeps_) {
+      std::uint64_t next = sweep_ + 1;
+      while (next < sweeps_ && !relaxation_.is_due(next)) ++next;
+      stop_condition.step = first_step_ + next;
+      engine_->advance(state, counters_, stop_condition);
+      sweep_ = state.clock.step - first_step_;
+      if (sweep_ == next) relaxation_.look_at(SwapTrials(state), sweep_);
+    }
+    state.clock = clock;
+    return sweep_ == sweeps_;
+  }
+  void serialize(Archive& archive, State const& state) override {
+    archive.visit("sweep", sweep_);
+    archive.require(sweep_ <= sweeps_, "more sweeps were done than there are");
+    serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+    serialize_inside(archive, "engine", [&] { engine_->serialize(archive, state); });
+    serialize_inside(archive, "relaxation", [&] { relaxation_.serialize(archive, state.agents.size(), sweep_); });
+  }
+  [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    RelaxationTimes const times = relaxation_.times(sweep_);
+    SwapResult chains = result_of(relaxation_.correlations());
+    chains.overlap_relaxation_time = times.overlap;
+    chains.bond_relaxation_time = times.bond;
+    chains.relaxation_times = times.in_run;
+    chains.is_equilibrated = times.is_enough;
+    double const time = static_cast<double>(sweep_) * engine_->time_step();
+    return {.packing_fraction = packing_fraction_of(state),
+            .pressure = reduced_pressure(counters_, time, state),
+            .pair_collisions = counters_.pair_collisions,
+            .swap = std::move(chains)};
+  }
+
+ private:
+  std::uint64_t sweeps_;
+  std::uint64_t first_step_;  ///< other steps, and so other random numbers, than those of other stages and of the run
+  std::uint64_t sweep_ = 0;
+  std::unique_ptr<Engine> engine_;
+  Relaxation relaxation_;
+  Counters counters_;
 };
 
 }  // namespace
@@ -200,6 +275,18 @@ StageRecord swap_stage() {
           .needs_no_overlaps = true,
           .needs_rectangle = true,
           .make = make_stage<SwapStage>};
+}
+
+StageRecord event_chain_stage() {
+  return {.name = "event_chain",
+          .documentation = "moves hard disks in a periodic box by chains, as the engine of this name does",
+          .settings = {"sweeps", "chains", "chain_length"},
+          .ends = {"sweeps"},
+          .table_of_errors = "engine",
+          .needs_no_overlaps = true,
+          .needs_rectangle = true,
+          .needs_images = true,
+          .make = make_stage<EventChainStage>};
 }
 
 StageRecord monte_carlo_stage() {

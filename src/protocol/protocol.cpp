@@ -103,6 +103,7 @@ std::string setting_of_stage(std::string const& key, std::size_t number, StageRe
   std::string const table = std::string(record.table_of_errors) + ".";
   if (!key.starts_with(table)) return key;
   std::string const name = key.substr(table.size());
+  if (name == "kind") return fmt::format("protocol[{}].stage", number);
   for (std::string const& setting : {name, "until_" + name}) {
     if (std::ranges::find(record.settings, setting) != record.settings.end())
       return fmt::format("protocol[{}].{}", number, setting);

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/event_chain.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/growth.hpp"
 #include "gridlock/engine/swap_monte_carlo.hpp"
@@ -157,7 +158,8 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
        .default_note = "0.001"},
       settings.step);
   visitor.visit({.key = "sweeps",
-                 .documentation = "swap, monte_carlo: trial moves for each disk.",
+                 .documentation = "swap, monte_carlo: trial moves for each disk; event_chain: contacts for each disk, "
+                                  "about.",
                  .min = 1,
                  .max = static_cast<double>(max_sweeps),
                  .default_note = "none"},
@@ -177,6 +179,7 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                  .max_is_allowed = false,
                  .default_note = "0.2"},
                 settings.swap_fraction);
+  describe_chains(settings.chains, settings.chain_length, visitor);
   visit_enum(visitor,
              {.key = "deformation",
               .documentation = "shear: simple_shear tilts the box, x ← x + γ y; pure_shear makes it longer along x, "

@@ -11,9 +11,9 @@ namespace gridlock {
 
 /// All kinds of stages. A new kind takes one line here, one in stage.hpp, and a file of its own.
 std::span<StageRecord const> stage_records() {
-  static std::array const records{grow_stage(),     run_stage(),        quench_stage(),
-                                  compress_stage(), decompress_stage(), shear_stage(),
-                                  separate_stage(), swap_stage(),       monte_carlo_stage()};
+  static std::array const records{grow_stage(),        run_stage(),        quench_stage(),   compress_stage(),
+                                  decompress_stage(),  shear_stage(),      separate_stage(), swap_stage(),
+                                  monte_carlo_stage(), event_chain_stage()};
   return records;
 }
 

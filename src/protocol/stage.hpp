@@ -112,6 +112,7 @@ StageRecord decompress_stage();
 StageRecord separate_stage();
 StageRecord swap_stage();
 StageRecord monte_carlo_stage();
+StageRecord event_chain_stage();
 StageRecord shear_stage();
 
 /// Returns the records of all kinds, in the order of the documentation.

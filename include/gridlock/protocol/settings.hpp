@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "gridlock/core/setting.hpp"
+#include "gridlock/engine/engine.hpp"
 #include "gridlock/packing/quasistatic_shear.hpp"
 
 namespace gridlock {
@@ -32,9 +33,11 @@ struct StageSettings {
   std::optional<double> collisions_per_disk;       ///< run
   std::optional<std::uint64_t> levels_per_decade;  ///< decompress
   std::optional<double> step;                      ///< compress, decompress: step of the packing fraction
-  std::optional<std::uint64_t> sweeps;             ///< swap, monte_carlo
+  std::optional<std::uint64_t> sweeps;             ///< swap, monte_carlo, event_chain
   std::optional<double> pressure;                  ///< swap, monte_carlo: βP D̄², D̄ the mean diameter
   std::optional<double> swap_fraction;             ///< swap
+  ChainKind chains = ChainKind::straight;          ///< event_chain: as engine.chains
+  std::optional<std::uint64_t> chain_length;       ///< event_chain: as engine.chain_length
   Deformation deformation = Deformation::simple_shear;  ///< shear
   std::optional<double> strain_step;                    ///< shear: strain between two minima
   std::optional<double> until_strain;                   ///< shear: strain at the end, or the amplitude of cycles

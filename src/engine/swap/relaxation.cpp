@@ -63,21 +63,20 @@ Relaxation::Relaxation(State const& state, std::uint64_t sweeps)
       squared_cage_(cage * mean_diameter(state.agents) * cage * mean_diameter(state.agents)),
       spacing_(std::max<std::uint64_t>(1, (sweeps + origins_in_a_run - 1) / origins_in_a_run)) {}
 
-bool Relaxation::is_short_lag(std::uint64_t lag) const {
-  // The lags are 2ⁿ and 3·2ⁿ.
+bool Relaxation::is_due(std::uint64_t sweep) const {
+  std::uint64_t lag = sweep % spacing_;
+  if (lag == 0) return true;
+  // The lags between origins are 2ⁿ and 3·2ⁿ.
   while (lag % 2 == 0) lag /= 2;
-  return lag == 1 || lag == 3;
+  return (lag == 1 || lag == 3) && !origins_.empty();
 }
 
 void Relaxation::look_at(SwapTrials const& trials, std::uint64_t sweep) {
-  std::uint64_t const lag = sweep % spacing_;
-  if (lag == 0) {
-    Origin now = look(trials, sweep);
-    for (Origin const& origin : origins_) compare(origin, now, trials);
-    if (origins_.size() < origins_in_a_run) origins_.push_back(std::move(now));
-  } else if (is_short_lag(lag) && !origins_.empty()) {
-    compare(origins_.back(), look(trials, sweep), trials);
-  }
+  if (!is_due(sweep)) return;
+  Origin now = look(trials, sweep);
+  if (sweep % spacing_ != 0) return compare(origins_.back(), now, trials);
+  for (Origin const& origin : origins_) compare(origin, now, trials);
+  if (origins_.size() < origins_in_a_run) origins_.push_back(std::move(now));
 }
 
 Relaxation::Origin Relaxation::look(SwapTrials const& trials, std::uint64_t sweep) const {
@@ -125,6 +124,16 @@ std::vector<SwapCorrelation> Relaxation::correlations() const {
                             .bond_orientation = sums.bond_at_origin > 0.0 ? sums.bond / sums.bond_at_origin : 0.0});
   }
   return correlations;
+}
+
+RelaxationTimes Relaxation::times(std::uint64_t sweeps) const {
+  std::vector<SwapCorrelation> const all = correlations();
+  RelaxationTimes times{.overlap = relaxation_time(all, &SwapCorrelation::self_overlap),
+                        .bond = relaxation_time(all, &SwapCorrelation::bond_orientation),
+                        .in_run = {}};
+  if (times.overlap && times.bond) times.in_run = static_cast<double>(sweeps) / std::max(*times.overlap, *times.bond);
+  times.is_enough = times.in_run.value_or(0.0) >= enough_relaxation_times;
+  return times;
 }
 
 void Relaxation::serialize(Archive& archive, Origin& origin) {

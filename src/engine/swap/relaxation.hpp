@@ -12,7 +12,18 @@
 
 namespace gridlock {
 
-/// Time correlations of a run of swap Monte Carlo.
+/// Number of relaxation times that a run needs to reach equilibrium.
+inline constexpr double enough_relaxation_times = 10.0;
+
+/// Relaxation times in sweeps, those that a run has not reached left out.
+struct RelaxationTimes {
+  std::optional<double> overlap;
+  std::optional<double> bond;
+  std::optional<double> in_run;  ///< sweeps of the run over the longer of the two
+  bool is_enough = false;        ///< whether in_run ≥ 10
+};
+
+/// Time correlations of a run of Monte Carlo.
 ///
 /// There are sixteen time origins, a sixteenth of the run apart. Between origins the disks are compared with the last
 /// origin after 1, 2, 3, 4, 6, 8, 12 … sweeps, at an origin with all earlier origins. So a relaxation time of a tenth
@@ -24,10 +35,15 @@ class Relaxation {
   /// Prepares for a run of `sweeps` sweeps of these disks.
   Relaxation(State const& state, std::uint64_t sweeps);
 
-  /// Compares the disks with the time origins. Call it at the start of the run (sweep 0) and after every sweep.
+  /// Returns whether look_at() compares anything after this sweep.
+  [[nodiscard]] bool is_due(std::uint64_t sweep) const;
+  /// Compares the disks with the time origins. Call it at the start of the run (sweep 0) and after every sweep that is
+  /// due; after others it does nothing.
   void look_at(SwapTrials const& trials, std::uint64_t sweep);
 
   [[nodiscard]] std::vector<SwapCorrelation> correlations() const;
+  /// Returns the times at which the correlations fall to 1/e, in a run of so many sweeps.
+  [[nodiscard]] RelaxationTimes times(std::uint64_t sweeps) const;
 
   /// Serializes the state after `sweep` sweeps. Errors: Error where the archive is of another run or number of disks.
   void serialize(Archive& archive, std::size_t disks, std::uint64_t sweep);
@@ -55,7 +71,6 @@ class Relaxation {
   [[nodiscard]] std::size_t watched() const { return (disks_ + stride_ - 1) / stride_; }
   [[nodiscard]] Origin look(SwapTrials const& trials, std::uint64_t sweep) const;
   void compare(Origin const& origin, Origin const& now, SwapTrials const& trials);
-  [[nodiscard]] bool is_short_lag(std::uint64_t lag) const;
   static void serialize(Archive& archive, Origin& origin);
   void require_restored(Archive const& archive, std::uint64_t sweep) const;
 

@@ -332,7 +332,8 @@ TEST(Protocol, RefusesAStageThatIsNotKnownWithThoseThatAre) {
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_EQ(problems.front().what, "the stage \"shake\" is not known");
   EXPECT_EQ(problems.front().hint,
-            "a stage is one of: grow, run, quench, compress, decompress, shear, separate, swap, monte_carlo");
+            "a stage is one of: grow, run, quench, compress, decompress, shear, separate, swap, monte_carlo, "
+            "event_chain");
 }
 
 TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {
