@@ -310,6 +310,12 @@ std::string text_of_run(Event const& event) {
     default:
       break;
   }
+  if (find(event, "samples") != nullptr) {
+    bool const has_no_values = find(event, "no_values") != nullptr;
+    return fmt::format("no {} is given for {}: averages keep {} samples, and it takes {} times observe.viscosity_lag",
+                       has_no_values ? "value" : "error", of.word("names"), of.count("samples"),
+                       has_no_values ? 2 : 10);
+  }
   std::string const why =
       find(event, "differs_by") != nullptr
           ? fmt::format("the samples that averages leave out differ from those that they keep by {:.2g} errors",

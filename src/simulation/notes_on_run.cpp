@@ -83,12 +83,27 @@ std::optional<MeanDisk> mean_disk_of(FrameSource const& frame) {
   return mean;
 }
 
+/// Returns a note on viscosities for which the run is too short: they have no errors or, with `no_values`, no values.
+std::optional<Event> note_on_viscosities(Table const& series, std::size_t left_out,
+                                         std::span<NamedEstimate const> results) {
+  if (!series.contains("shear_viscosity")) return std::nullopt;
+  auto const found = std::ranges::find(results, "shear_viscosity", &NamedEstimate::name);
+  if (found != results.end() && found->estimate.error) return std::nullopt;
+  Event note{.kind = EventKind::error_not_known,
+             .key = "observe.viscosity_lag",
+             .values = {{"names", "shear_viscosity, bulk_viscosity"},
+                        {"samples", static_cast<std::uint64_t>(series.row_count() - left_out)}}};
+  if (found == results.end()) note.values.emplace_back("no_values", std::uint64_t{1});
+  return note;
+}
+
 }  // namespace
 
 std::vector<Event> withhold_errors(Table const& series, std::size_t left_out, std::vector<NamedEstimate>& results) {
   // One note lists all quantities with the same reason, since quantities are usually doubtful together.
   Event differs{.kind = EventKind::error_not_known, .key = "observe.equilibration", .values = {}};
   Event slow{.kind = EventKind::error_not_known, .key = "run", .values = {}};
+  std::optional<Event> too_short = note_on_viscosities(series, left_out, results);
   std::string names_that_differ;
   std::string slow_names;
   double differs_by = 0.0;
@@ -107,6 +122,7 @@ std::vector<Event> withhold_errors(Table const& series, std::size_t left_out, st
     }
   }
   std::vector<Event> notes;
+  if (too_short) notes.push_back(*std::move(too_short));
   if (!names_that_differ.empty()) {
     differs.values = {{"names", names_that_differ}, {"differs_by", differs_by}};
     notes.push_back(std::move(differs));

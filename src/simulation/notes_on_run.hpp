@@ -10,7 +10,8 @@
 
 namespace gridlock {
 
-/// Removes the errors of averages that contradict the series, and returns notes with the names and reasons.
+/// Removes the errors of averages that contradict the series, and returns notes with the names and reasons, also on
+/// viscosities for which the series is too short.
 ///
 /// A result is an average if a column has its name and its value is the mean of the column's samples. The first
 /// `left_out` samples do not count.

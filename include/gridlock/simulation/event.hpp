@@ -62,7 +62,7 @@ enum class EventKind {
   packing_unstable,        ///< the packing is unstable against a shear
   packing_gives_way,       ///< the packing gives way to compression, so that its moduli are no averages of a solid
   packing_too_dense,       ///< the packing fraction is far above jamming
-  error_not_known,         ///< the series contradicts the standard error of an average, which is left out
+  error_not_known,         ///< an average has no standard error: the series contradicts it, or is too short for it
   disks_in_cages,          ///< hard disks have collided many times and moved less than a diameter
   time_stands_still,       ///< hard disks collide so often that the time hardly advances
   audited,

@@ -66,6 +66,31 @@ TEST(WithholdErrors, TakesAwayWhatTheSeriesContradictsAndSaysWhy) {
   EXPECT_TRUE(one.results[1].estimate.error.has_value()) << "it is of another column";
 }
 
+TEST(WithholdErrors, SaysWhereARunIsTooShortForAViscosity) {
+  // Two lags make the first value, and ten the first error.
+  for (auto const& [samples, words] : std::vector<std::pair<int, std::string>>{
+           {20,
+            "no value is given for shear_viscosity, bulk_viscosity: averages keep 20 samples, and it takes 2 times "
+            "observe.viscosity_lag"},
+           {30,
+            "no error is given for shear_viscosity, bulk_viscosity: averages keep 30 samples, and it takes 10 times "
+            "observe.viscosity_lag"},
+           {140, ""}}) {
+    gridlock::Setup setup =
+        set_up(SettingsFile::from_text("disks = { count = 64, packing_fraction = 0.3 }\nbox.edge = \"periodic\"\n"
+                                       "engine = { kind = \"exact\", time_step = 0.01 }\nobserve = { every = 20, "
+                                       "viscosity_lag = 12, equilibration = 0 }\n",
+                                       "a"));
+    gridlock::Run run(*setup.simulation,
+                      {.stop_condition = {.step = static_cast<std::uint64_t>(20 * samples)}, .sample_every = 20});
+    run.advance();
+    std::string notes;
+    for (Event const& note : run.record().notes) notes += to_text(note);
+    EXPECT_EQ(notes.find(" is given for shear_viscosity") != std::string::npos, !words.empty()) << notes;
+    EXPECT_NE(notes.find(words), std::string::npos) << notes;
+  }
+}
+
 TEST(WithholdErrors, LookAtMeansAloneAndNotAtWhatGrows) {
   std::vector<double> values;
   for (int k = 0; k < 1000; ++k) values.push_back(0.01 * k);
