@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -16,6 +17,7 @@
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
 #include "io/file_format.hpp"
+#include "io/utf8.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 #include "workspace/summary.hpp"
@@ -31,24 +33,30 @@ bool is_there(fs::path const& path) {
   return fs::exists(path, ignored);
 }
 
+/// Returns a value of a summary for a terminal: a text on one line, without control characters.
+std::string shown(nlohmann::ordered_json const& value) {
+  return value.is_string() ? one_line(value.get<std::string>()) : value.dump();
+}
+
 void print_run(fs::path const& file) {
   auto const summary = gridlock::read_summary_json(file);
   bool const is_of_run = summary.contains("status");
   fmt::print("{} in {}\n", is_of_run ? "a run of gridlock" : "the contacts of a packing",
              file.has_parent_path() ? file.parent_path().string() : ".");
-  for (auto const& [key, entry] : summary.items()) {
+  for (auto const& [name, entry] : summary.items()) {
+    std::string const key = one_line(name);
     if (entry.is_object() && entry.contains("value") && entry["value"].is_number()) {
       auto const error = entry.value("error", nlohmann::ordered_json());
-      std::string const unit = entry.value("unit", "");
+      std::string const unit = entry.contains("unit") ? shown(entry["unit"]) : "";
       fmt::print("  {:<32} {:.8g}{}{}\n", key, entry["value"].get<double>(),
                  error.is_number() ? fmt::format(" ± {:.2g}", error.get<double>()) : "",
                  unit.empty() ? "" : "  " + unit);
     } else if (entry.is_object()) {
-      for (auto const& [name, value] : entry.items()) {
-        fmt::print("  {:<32} {}\n", fmt::format("{}.{}", key, name), value.dump());
+      for (auto const& [part, value] : entry.items()) {
+        fmt::print("  {:<32} {}\n", fmt::format("{}.{}", key, one_line(part)), value.dump());
       }
     } else {
-      fmt::print("  {:<32} {}\n", key, entry.is_string() ? entry.get<std::string>() : entry.dump());
+      fmt::print("  {:<32} {}\n", key, shown(entry));
     }
   }
 }
@@ -145,9 +153,12 @@ ExitCode info(fs::path const& path, std::optional<std::int64_t> frame) {
   } else if (gridlock::has_xyz_ending(path)) {
     print_frame(path, frame);
   } else {
+    std::error_code error;
+    bool const is_empty = fs::is_regular_file(path, error) && fs::file_size(path, error) == 0;
     throw gridlock::Error(
-        {.what = is_there(path) ? fmt::format("{} is not a file that Gridlock wrote", path.string())
-                                : fmt::format("there is no {}", path.string()),
+        {.what = is_empty         ? fmt::format("{} is empty", path.string())
+                 : is_there(path) ? fmt::format("{} is not a file that Gridlock wrote", path.string())
+                                  : fmt::format("there is no {}", path.string()),
          .hint = "name the directory of a run or sweep, a table (.csv), a state (.xyz, .extxyz, .exyz) or a "
                  "trajectory (.h5, .h5md)"});
   }

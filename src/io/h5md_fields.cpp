@@ -85,10 +85,11 @@ void write_fields(std::span<Field const> fields, std::filesystem::path const& pa
 }
 
 std::vector<Field> read_fields(std::filesystem::path const& path) {
-  return h5md::guarded(path, [&] {
+  auto const read = [&] {
     std::uint64_t const bytes = hdf5::size_of_file(path);
     return h5md::read_fields(hdf5::open_file(path, hdf5::Access::read), 0, bytes);
-  });
+  };
+  return h5md::guarded(path, read, "put back a copy of the file: a run writes its last fields to it");
 }
 
 }  // namespace gridlock

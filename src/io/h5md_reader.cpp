@@ -244,10 +244,8 @@ std::unique_ptr<h5md::Source> source_of(std::filesystem::path const& path) {
 
 namespace h5md {
 
-void refuse(std::filesystem::path const& path, std::string const& reason) {
-  throw Error({.what = fmt::format("cannot read {}: {}", path.string(), reason),
-               .hint = "is it a trajectory in H5MD, and whole?",
-               .file = path.string()});
+void refuse(std::filesystem::path const& path, std::string const& reason, char const* hint) {
+  throw Error({.what = fmt::format("cannot read {}: {}", path.string(), reason), .hint = hint, .file = path.string()});
 }
 
 }  // namespace h5md

@@ -35,11 +35,14 @@ std::unique_ptr<Source> open_other(std::filesystem::path const& path);
 /// Largest ratio of unpacked to packed bytes for deflate. A size above it is damaged, and must not exhaust the memory.
 inline constexpr std::uint64_t max_deflation = 1032;
 
-[[noreturn]] void refuse(std::filesystem::path const& path, std::string const& reason);
+inline constexpr char const* hint_for_trajectory = "is it a trajectory in H5MD, and whole?";
+
+[[noreturn]] void refuse(std::filesystem::path const& path, std::string const& reason,
+                         char const* hint = hint_for_trajectory);
 
 /// Calls `work`, and turns a failure of HDF5 into an Error that names the file.
 template <class Work>
-auto guarded(std::filesystem::path const& path, Work const& work) {
+auto guarded(std::filesystem::path const& path, Work const& work, char const* hint = hint_for_trajectory) {
   std::string reason;
   try {
     return work();
@@ -51,7 +54,7 @@ auto guarded(std::filesystem::path const& path, Work const& work) {
   } catch (std::length_error const&) {
     reason = "a frame of it does not fit into the memory";
   }
-  refuse(path, reason);
+  refuse(path, reason, hint);
 }
 
 }  // namespace gridlock::h5md

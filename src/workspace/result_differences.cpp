@@ -102,6 +102,7 @@ std::string difference_of_text(std::filesystem::path const& file, std::string co
   std::string const recorded = read_file(file, std::numeric_limits<std::uint64_t>::max());
   auto const [at, other] = std::ranges::mismatch(recorded, replay);
   if (at == recorded.end() && other == replay.end()) return "";
+  if (recorded.empty()) return name_of(file) + " is empty";
   auto const place = static_cast<std::size_t>(at - recorded.begin());
   return fmt::format("{}, line {}, has \"{}\", where the replay has \"{}\"", name_of(file),
                      1 + std::count(recorded.begin(), at, '\n'), word_at(recorded, place), word_at(replay, place));

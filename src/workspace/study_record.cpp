@@ -48,26 +48,32 @@ std::string toml_of(Json const& value) {
 }
 
 SettingsFile settings_of(RunOfStudy const& run) {
-  std::string const name = fmt::format("{}, row {}", runs_name, run.row);
   Json const json = Json::parse(run.settings, nullptr, false);
   if (!json.is_object()) {
-    throw Error(
-        {.what = fmt::format("{}: the settings are no object of JSON", name), .hint = "put back a copy of the file"});
+    throw Error(Problem{.what = "its settings are no object of JSON", .hint = "put back a copy of the file"});
   }
   std::string text;
   for (auto const& [key, value] : json.items()) {
     if (!value.is_null()) text += fmt::format("{} = {}\n", key, toml_of(value));
   }
-  return SettingsFile::from_text(text, name);
+  return SettingsFile::from_text(text, fmt::format("{}, row {}", runs_name, run.row));
 }
 
 std::vector<std::string> const* words_of(Table const& table, char const* name) {
   return table.contains(name) ? std::get_if<std::vector<std::string>>(&table.column(name)) : nullptr;
 }
 
+/// Sets the run of a row up again. Errors: Error for a row that cannot be read, or whose run cannot be made.
+Setup setup_of(RunOfStudy const& run, VerifyOptions const& options) {
+  constexpr std::size_t digits = 16;
+  if (run.state_hash.size() != digits || run.state_hash.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw Error(
+        {.what = fmt::format("\"{}\" is no state hash", run.state_hash), .hint = "put back a copy of the file"});
+  return set_up(settings_of(run), {.threads = options.threads});
+}
+
 /// Returns the difference between a run and its record, in words; nothing if there is none.
-std::string difference_of(RunOfStudy const& run, VerifyOptions const& options) {
-  Setup const setup = set_up(settings_of(run), {.threads = options.threads});
+std::string difference_of(RunOfStudy const& run, Setup const& setup) {
   Simulation& simulation = *setup.simulation;
   StopCondition const end = stop_condition_of(setup);
   simulation.prepare([] { return true; });
@@ -109,26 +115,33 @@ VerifiedRuns verify_study(std::filesystem::path const& directory, VerifyOptions 
   Verification found{.directory = directory, .version = version(), .target = to_text(target())};
   VerifiedRuns result;
   for (std::size_t k = 0; k < runs.size(); ++k) {
-    std::string difference;
+    auto const say = [&](char const* verdict, std::string const& why) {
+      on_line(fmt::format("{}: {}: row {} of {}: {}", verdict, directory.string(), runs[k].row, runs_name, why));
+    };
     try {
-      difference = difference_of(runs[k], options);
-    } catch (RunFailure const& failure) {
-      difference = failure.what();
-    } catch (Error const& error) {
-      difference = error.problems().front().what;
-    }
-    ++(difference.empty() ? result.verified : result.different);
-    if (!difference.empty()) {
-      on_line(fmt::format("differs: {}: row {} of {}: {}", directory.string(), runs[k].row, runs_name, difference));
+      std::string const difference = difference_of(runs[k], setup_of(runs[k], options));
+      ++(difference.empty() ? result.verified : result.different);
+      if (!difference.empty()) say("differs", difference);
       if (found.difference.empty()) found.difference = difference;
+    } catch (RunFailure const& failure) {
+      ++result.different;
+      say("differs", failure.what());
+      if (found.difference.empty()) found.difference = failure.what();
+    } catch (Error const& error) {
+      ++result.refused;
+      say("cannot be verified", error.problems().front().what);
     }
     if (options.on_progress) options.on_progress(static_cast<double>(k + 1) / static_cast<double>(runs.size()));
   }
   found.hashes = result.verified;
   std::size_t const left_out = table.row_count() - all.size();
   on_line(fmt::format(
-      "{}: {}: {} of the {} runs in {} were made again{}: {} agree in their last state hash, with {} by gridlock {}",
-      result.different == 0 ? "verified" : "differs", directory.string(), runs.size(), table.row_count(), runs_name,
+      "{}: {}: {} of the {} runs in {} were made again{}{}: {} agree in their last state hash, with {} by gridlock {}",
+      result.different > 0 ? "differs"
+      : result.refused > 0 ? "cannot be verified"
+                           : "verified",
+      directory.string(), runs.size() - result.refused, table.row_count(), runs_name,
+      result.refused == 0 ? "" : fmt::format(", {} cannot be read", result.refused),
       left_out == 0 ? "" : fmt::format(", {} of which start from disks that the study has placed", left_out),
       result.verified, found.target, found.version));
   result.runs.push_back(std::move(found));

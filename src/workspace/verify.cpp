@@ -59,6 +59,17 @@ std::string changed_setting(fs::path const& directory, std::string const& now) {
   return "";
 }
 
+/// Returns where the copy of the settings in the trajectory differs from those of the run; empty if they agree or there
+/// is no trajectory. The copy has the length that the run had at first.
+std::string difference_in_trajectory(fs::path const& directory, std::string const& settings) {
+  fs::path const file = directory / "trajectory.h5";
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return "";
+  auto const difference = find_difference(setting_texts(H5mdReader(file).settings().configuration, file.string()),
+                                          setting_texts(settings, configuration_name), settings_of_length());
+  return difference ? "the settings differ: " + to_text(*difference, "trajectory.h5", configuration_name) : "";
+}
+
 Error changed_input(fs::path const& file, std::string const& what) {
   return Error({.what = fmt::format("{} was changed since the run{}{}", file.string(), what.empty() ? "" : ": ", what),
                 .hint = "put back a copy of the file; a run of changed inputs is another run",
@@ -171,6 +182,8 @@ Verification verify_run(fs::path const& directory, VerifyOptions const& options)
   if (hash_of_settings(settings) != link_of(links, "settings", directory).hash) {
     throw changed_input(file, changed_setting(directory, settings));
   }
+  found.difference = difference_in_trajectory(directory, settings);
+  if (!found.difference.empty()) return found;
   Setup setup = set_up(SettingsFile::from_path(file), {.threads = options.threads});
   HashLink const& start = link_of(links, "start", directory);
   bool const has_same_start = setup.simulation->state_hash() == start.hash;

@@ -47,6 +47,18 @@ TEST(Run, LeavesEverythingItPromises) {
   EXPECT_EQ(series.numbers("mean_displacement").back(), summary["mean_displacement"]["value"].get<double>());
 }
 
+TEST(Info, ShowsTheWordsOfAnEditedSummaryWithoutControlCharacters) {
+  Workplace const workplace;
+  write(workplace / "summary.json",
+        R"({"status": "\u001b[2Jfinished", "state_hash": "0", "a\u0007b": {"value": 1, "unit": "m\n\u001b[31m"},)"
+        R"( "c": {"value": 2, "unit": 5}})");
+  Outcome const info = gridlock::test::gridlock({"info", "."}, workplace.path());
+  expect_good(info);
+  EXPECT_EQ(info.out.find_first_of("\x1b\x07"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("  1  m  [31m\n"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("  2  5\n"), std::string::npos) << info.out;
+}
+
 TEST(Run, FromItsResolvedConfigurationGivesTheSameBytes) {
   Workplace const workplace;
   write(workplace / "a.toml", small_run);

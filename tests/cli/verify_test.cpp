@@ -56,8 +56,11 @@ TEST(Verify, AcceptsARunOfEveryEngineAndModelAndProtocolWholeAndInWindows) {
         "engine.kind = \"exact\"\ndisks.count = 36\n",
         "engine.kind = \"soft\"\npotential.kind = \"harmonic\"\nbox.edge = \"periodic\"\ndisks.count = 36\n",
         "engine.kind = \"exact\"\nengine.time_step = 0.01\nthermostat.kind = \"brownian\"\ndisks.count = 36\n",
+        "engine.kind = \"event_chain\"\nbox.edge = \"periodic\"\ndisks.count = 36\n",
         "model.kind = \"flocking\"\nflocking.count = 50\n",
         "model.kind = \"epidemic\"\nepidemic.count = 50\nepidemic.turnover_rate = 0.1\n",
+        "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ stage = \"event_chain\", sweeps = 20, chains = "
+        "\"newtonian\" }]\nengine = { kind = \"event_chain\", chains = \"newtonian\" }\n",
         "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ stage = \"grow\", until_packing_fraction = 0.6 "
         "}]\nengine.kind = \"exact\"\n"}) {
     Workplace const workplace;
@@ -141,11 +144,14 @@ TEST(Verify, FindsAFlippedBitInTheChainInAKeptStateAndInAFrame) {
 
 /// Writes trajectory.h5 anew, with its frames as `change` leaves them; of `frames` frames at most.
 void rewrite_frames(fs::path const& file, std::size_t frames,
-                    std::function<void(std::size_t, gridlock::H5mdFrame&)> const& change) {
+                    std::function<void(std::size_t, gridlock::H5mdFrame&)> const& change,
+                    std::function<void(std::string& configuration)> const& change_settings = {}) {
   fs::path const other = file.string() + ".other";
   {
     gridlock::H5mdReader const reader(file);
-    auto writer = gridlock::H5mdWriter::create(other, reader.settings(), reader.frame(0).frame);
+    gridlock::H5mdSettings settings = reader.settings();
+    if (change_settings) change_settings(settings.configuration);
+    auto writer = gridlock::H5mdWriter::create(other, settings, reader.frame(0).frame);
     for (std::size_t k = 0; k < std::min(frames, reader.frame_count()); ++k) {
       gridlock::H5mdFrame frame = reader.frame(k);
       change(k, frame);
@@ -177,6 +183,35 @@ TEST(Verify, FindsAMissingLastFrameAndAnotherBoxOrObservableOfAFrame) {
   expect_words(found, 1, "frame 2 of trajectory.h5, of step 500, has mean_displacement = ");
   // In a window too, since a kept state holds what observables remember.
   expect_words(in(workplace, {"verify", "out", "--windows", "4"}), 1, "of step 500, has mean_displacement = ");
+}
+
+TEST(Verify, FindsAnotherCopyOfTheSettingsInTheTrajectoryByTheSetting) {
+  Workplace const workplace;
+  make_run(workplace, with_states);
+  rewrite_frames(
+      workplace / "out/trajectory.h5", 9, [](std::size_t, gridlock::H5mdFrame&) {},
+      [](std::string& configuration) {
+        std::string const radius = "packing_fraction = 0.5";
+        configuration.replace(configuration.find(radius), radius.size(), "packing_fraction = 0.6");
+      });
+  for (std::vector<std::string> const& words :
+       {std::vector<std::string>{"verify", "out"}, {"verify", "out", "--windows", "1"}}) {
+    expect_words(
+        in(workplace, words), 1,
+        "the settings differ: disks.packing_fraction is 0.6 in trajectory.h5, and 0.5 in config.resolved.toml");
+  }
+}
+
+TEST(Verify, NamesAFileThatWasEmptied) {
+  Workplace const workplace;
+  make_run(workplace, with_states);
+  std::string const trajectory = text_of(workplace / "out/trajectory.h5");
+  write(workplace / "out/trajectory.h5", "");
+  expect_words(in(workplace, {"verify", "out"}), 2, "cannot read out/trajectory.h5: it is empty");
+  expect_words(in(workplace, {"info", "out/trajectory.h5"}), 2, "out/trajectory.h5 is empty");
+  write(workplace / "out/trajectory.h5", trajectory);
+  write(workplace / "out/final.xyz", "");
+  expect_words(in(workplace, {"verify", "out"}), 1, "final.xyz is empty");
 }
 
 TEST(Verify, FindsAnEditedResultByItsFileAndPlace) {
@@ -277,6 +312,30 @@ TEST(Verify, SaysOfASweepHowManyOfItsRunsAgree) {
   expect_words(in(workplace, {"verify", "out"}), 2, "2 of 3 runs verified; 0 different, 1 cannot be verified");
   replace(workplace / "out/runs/seed=3/hashes.csv", "\"end\"", "\"run\"");
   expect_words(in(workplace, {"verify", "out"}), 1, "1 of 3 runs verified; 1 different, 1 cannot be verified");
+}
+
+TEST(Verify, OfAStudyNamesTheRowsThatCannotBeReadAsSuch) {
+  Workplace const workplace;
+  make_run(workplace, "disks.count = 4\nrun.steps = 10\n");
+  std::string const summary = text_of(workplace / "out/summary.json");
+  std::string const name = "\"state_hash\": \"";
+  std::string const hash = summary.substr(summary.find(name) + name.size(), 16);
+  std::string const good = R"("{""disks"": {""count"": 4}, ""run"": {""steps"": 10}}",")" + hash + "\"\n";
+  auto const verify = [&](std::string const& rows) {
+    write(workplace / "study/runs.csv", "settings,state_hash\n" + rows);
+    return in(workplace, {"verify", "study"});
+  };
+  fs::create_directory(workplace / "study");
+  expect_words(verify(good + good), 0, "verified: study: 2 of the 2 runs in runs.csv were made again: 2 agree");
+  Outcome const unreadable = verify(good + "\"{oops\",\"" + hash + "\"\n" + R"("{""disk"": 4}",")" + hash + "\"\n" +
+                                    R"("{""disks"": {""count"": 4}}","x")" + "\n");
+  expect_words(unreadable, 2, "cannot be verified: study: row 2 of runs.csv: its settings are no object");
+  expect_words(unreadable, 2, "cannot be verified: study: row 3 of runs.csv: ");
+  expect_words(unreadable, 2, "cannot be verified: study: row 4 of runs.csv: \"x\" is no state hash");
+  expect_words(unreadable, 2,
+               "cannot be verified: study: 1 of the 4 runs in runs.csv were made again, 3 cannot be read: 1 agree");
+  expect_words(verify(R"("{""disks"": {""count"": 5}, ""run"": {""steps"": 10}}",")" + hash + "\"\n"), 1,
+               "differs: study: row 1 of runs.csv: the last state hash is ");
 }
 
 TEST(Verify, OfALongRunComparesNoMoreThan200HashesAlongItWhichAreEvenlySpread) {
