@@ -244,6 +244,10 @@ class Model:
         world = World(core, self, is_read_only=True)
         try:
             seen = self.observe(world)
+        except ValueError as error:
+            if "read-only" not in str(error):
+                raise
+            raise Error(f"observe() of the model {self.name} cannot change the world: {error}\n  hint: do it in step()") from error
         finally:
             world._close()
         if not isinstance(seen, Mapping):

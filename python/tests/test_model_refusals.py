@@ -141,6 +141,24 @@ def test_an_observable_returns_numbers(seen, words):
         made.run(steps=1)
 
 
+def test_an_observation_that_writes_into_the_world_is_refused_in_words_of_the_model():
+    def into_field(self, world):
+        world.g[0, 0] = 7
+        return {"mass": 1.0}
+
+    def into_column(self, world):
+        world.x += 0.5
+        return {"mass": 1.0}
+
+    def wrong(self, world):
+        raise ValueError("no such order")
+
+    for observe, words in ((into_field, r"observe\(\) of the model test_refusals cannot change the world: .*\n  hint: do it in step\(\)"),
+                           (into_column, r"cannot change the world|an observation cannot change x"), (wrong, "no such order")):
+        with pytest.raises((gridlock.Error, gridlock.RunFailure, ValueError), match=words):
+            simulation(fields={"g": gridlock.Field(4)}, observe=observe).run(steps=1)
+
+
 def test_no_array_of_an_observation_can_be_made_writable():
     refusals = []
 

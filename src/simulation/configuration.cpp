@@ -28,7 +28,8 @@ Problem unknown_model(Configuration const& configuration) {
           .hint = instead.value_or(
               fmt::format("its models are {}; a model of one's own in C++ runs in the program that registers it, see "
                           "docs/getting_started/own_model.md, and one in Python after register_model: a run of it is "
-                          "continued by gridlock.open(DIR).resume(), see docs/getting_started/own_model_python.md",
+                          "continued by gridlock.open(DIR).resume() and verified by gridlock.verify(DIR), see "
+                          "docs/getting_started/own_model_python.md",
                           names_of(configuration.models))),
           .key = "model.kind"};
 }
