@@ -141,7 +141,7 @@ VerifiedRuns verify_study(std::filesystem::path const& directory, VerifyOptions 
       : result.refused > 0 ? "cannot be verified"
                            : "verified",
       directory.string(), runs.size() - result.refused, table.row_count(), runs_name,
-      result.refused == 0 ? "" : fmt::format(", {} cannot be read", result.refused),
+      result.refused == 0 ? "" : fmt::format(", {} cannot be", result.refused),
       left_out == 0 ? "" : fmt::format(", {} of which start from disks that the study has placed", left_out),
       result.verified, found.target, found.version));
   result.runs.push_back(std::move(found));
