@@ -1,10 +1,11 @@
-// The engine `event_chain` beside the engine `exact`: equal disks in a periodic square, one core.
+// The engine `event_chain` beside the engine `exact`: disks in a periodic square, one core.
 //
-//     gridlock_bench_event_chain speed PACKING_FRACTION N [ROUNDS]
+//     gridlock_bench_event_chain speed PACKING_FRACTION N [ROUNDS EVENTS_PER_CHAIN SIZE_RATIO]
 //     gridlock_bench_event_chain compare|exact|straight|newtonian PACKING_FRACTION N SAMPLES COLLISIONS EQUILIBRATION
 //                                SEED EVENTS_PER_CHAIN RATIO [1]
 //
-// speed: nanoseconds of processor time an event, in turns. compare: pressure, orientation and their correlation times
+// speed: nanoseconds of processor time an event, in turns; with a SIZE_RATIO other than 1 half of the disks are so many
+// times as large. compare: pressure, orientation and their correlation times
 // from the same start, which `exact` made by EQUILIBRATION / 2 pair collisions a disk. A sample is taken every so many
 // pair collisions of `exact`, and every RATIO times as many events of the chains. With a last 1 it prints
 // ⟨|Ψ(t) − Ψ(0)|²⟩ and ⟨|Ψ|²⟩, both times N, against t in events a disk, for the mean of ψ6 and three shells of its
@@ -25,6 +26,8 @@
 #include "core/temperature.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/engine/growth.hpp"
+#include "gridlock/lattice/start.hpp"
 #include "measure.hpp"
 
 namespace gridlock::benchmark {
@@ -202,6 +205,22 @@ State melted(std::uint64_t n, double packing_fraction, std::uint64_t seed, doubl
   return melted;
 }
 
+/// Disks of two sizes and one mass, half of each, which grow from a random start and fly.
+State melted_mixture(std::uint64_t n, double packing_fraction, double size_ratio, double collisions_per_disk) {
+  DisksSettings disks{.count = n, .packing_fraction = 0.4, .start = StartKind::random};
+  disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = size_ratio, .mass = 1.0}};
+  State state = make_start(Box(1.0, 1.0, Edge::periodic), disks, 1);
+  draw_velocities(state, {.kind = VelocityKind::maxwell});
+  GrowthSettings settings{.packing_fraction = packing_fraction};
+  settings.rate = 0.01;
+  Counters counters;
+  Growth(settings, state).advance(state, counters);
+  state.clock = {};
+  Dynamics exact(state, exact_settings());
+  exact.advance(0.5 * collisions_per_disk * static_cast<double>(n));
+  return exact.state();
+}
+
 std::unique_ptr<Dynamics> make(std::string_view name, State const& state, std::uint64_t seed, double events_per_chain) {
   State start = state;
   start.seed = seed;
@@ -213,8 +232,10 @@ std::unique_ptr<Dynamics> make(std::string_view name, State const& state, std::u
 }
 
 /// Nanoseconds of processor time an event of the three, in turns.
-void speed(double packing_fraction, std::uint64_t n, int rounds, double events_per_chain) {
-  State const start = melted(n, packing_fraction, 1, n < 50'000 ? 100.0 : 20.0);
+void speed(double packing_fraction, std::uint64_t n, int rounds, double events_per_chain, double size_ratio) {
+  double const collisions_per_disk = n < 50'000 ? 100.0 : 20.0;
+  State const start = size_ratio == 1.0 ? melted(n, packing_fraction, 1, collisions_per_disk)
+                                        : melted_mixture(n, packing_fraction, size_ratio, collisions_per_disk);
   auto const block = static_cast<double>(std::clamp<std::uint64_t>(10 * n, 500'000, 5'000'000));
   std::vector<Contestant> contestants;
   for (auto const* name : {"exact", "straight", "newtonian"}) {
@@ -305,7 +326,7 @@ int main(int argument_count, char** arguments) {
   auto const n = static_cast<std::uint64_t>(number(3, 1024.0));
   if (mode == "speed") {
     print_header();
-    speed(packing_fraction, n, static_cast<int>(number(4, 7.0)), number(5, 300.0));
+    speed(packing_fraction, n, static_cast<int>(number(4, 7.0)), number(5, 300.0), number(6, 1.0));
     return 0;
   }
   if (mode.empty()) return 2;

@@ -154,6 +154,9 @@ def test_verify_finds_another_value_in_the_last_fields(tmp_path):
     (tmp_path / "other/final_fields.h5").replace(tmp_path / "one/final_fields.h5")
     found = gridlock.verify(tmp_path / "one")
     assert not found.is_verified and "final_fields.h5 has grass = " in found.text
+    (tmp_path / "one/final_fields.h5").write_bytes(b"")
+    with pytest.raises(gridlock.Error, match="final_fields.h5: it is empty\n.*\n  hint: put back a copy of the file"):
+        gridlock.verify(tmp_path / "one")
 
 
 def test_an_automaton_needs_no_agents():
