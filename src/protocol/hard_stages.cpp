@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -203,9 +204,11 @@ class EventChainStage final : public Stage {
       goes_on = !should_continue || should_continue();
       return goes_on;
     };
+    constexpr std::uint64_t longest_search = 1000;  // the search for the next sweep that is due costs no time
     while (goes_on && sweep_ < sweeps_) {
       std::uint64_t next = sweep_ + 1;
-      while (next < sweeps_ && !relaxation_.is_due(next)) ++next;
+      std::uint64_t const last = sweep_ + std::min(longest_search, sweeps_ - sweep_);
+      while (next < last && !relaxation_.is_due(next)) ++next;
       stop_condition.step = first_step_ + next;
       engine_->advance(state, counters_, stop_condition);
       sweep_ = state.clock.step - first_step_;
