@@ -29,6 +29,7 @@ from .box import Box
 from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics, shear_viscosity
 from .errors import Error, Problem, RunFailure
+from .experiments import Experiment, experiment, run_until
 from .fields import Field
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification, read_xyz, verify
 from .files import open as open
@@ -46,6 +47,7 @@ from .order import (
     structure_peak,
 )
 from .packings import Contacts, SpectralDensity, contacts, spectral_density
+from .sensitivity import SobolDesign
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
 from .tables import Table
@@ -54,13 +56,14 @@ from .world import Halts, Start, World
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
     "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Error",
-    "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation", "PairCorrelationMap", "Problem", "Result",
-    "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "SpectralDensity", "Start", "StringLengths", "StructureFactor",
-    "StructurePeak", "SweepDirectory", "Table", "Trajectory", "VanHove", "Verification", "Voronoi", "World", "bond_orientation", "clusters",
-    "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics", "explain",
-    "mean_squared_displacement", "neighbors", "order_correlation", "pair_correlation", "pair_correlation_map", "pairs", "pairs_of_disks",
-    "read_xyz", "register_model", "run", "separations", "shear_viscosity", "spectral_density", "string_lengths", "structure_factor",
-    "structure_peak", "sweep", "van_hove", "verify", "voronoi",
+    "Experiment", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation",
+    "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "SobolDesign",
+    "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory", "Table", "Trajectory", "VanHove",
+    "Verification", "Voronoi", "World", "bond_orientation", "clusters", "collective_scattering", "combine", "contacts", "defects",
+    "density_profile", "diffusion_coefficient", "dynamics", "experiment", "explain", "mean_squared_displacement", "neighbors",
+    "order_correlation", "pair_correlation", "pair_correlation_map", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
+    "run_until", "separations", "shear_viscosity", "spectral_density", "string_lengths", "structure_factor", "structure_peak", "sweep",
+    "van_hove", "verify", "voronoi",
 ]
 
 

@@ -12,8 +12,8 @@ import pytest
 
 import gridlock
 
-PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md", "docs/how_to/analysis.md",
-         "docs/how_to/jamming.md", "docs/how_to/melting.md", "docs/how_to/playground.md", "docs/how_to/verify.md"]
+PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md", "docs/getting_started/models_in_python.md", "docs/how_to/analysis.md",
+         "docs/how_to/experiments.md", "docs/how_to/jamming.md", "docs/how_to/melting.md", "docs/how_to/playground.md", "docs/how_to/verify.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -60,7 +60,7 @@ def test_the_reference_has_every_public_name(root):
     page = (root / "docs/reference/python.md").read_text()
     named = set(re.findall(r"auto\w+:: gridlock\.(\w+)$", page, re.MULTILINE))
     assert set(gridlock.__all__) <= named
-    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot"}
+    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot", "library"}
 
 
 def test_the_page_of_models_has_everything_that_a_step_can_do(root):

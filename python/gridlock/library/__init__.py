@@ -1,0 +1,21 @@
+"""Models that everybody knows, each one file to run, to copy and to change.
+
+``import gridlock.library`` makes them known by their names:
+
+>>> import gridlock, gridlock.library
+>>> simulation = gridlock.Simulation(model="forest_fire", forest_fire={"side": 50, "density": 0.7}, observe={"every": 1})
+>>> simulation.run(steps=300)
+>>> simulation.series["burnt"][-1] > 0.9
+True
+
+Each is a class as any of one's own: its settings have bounds, its docstring gives the rule and its source.
+"""
+
+from .flock import Flock
+from .forest_fire import ForestFire
+from .random_organization import RandomOrganization
+from .schelling import Schelling
+from .sir import SIR
+from .wolf_sheep import WolfSheep
+
+__all__ = ["SIR", "Flock", "ForestFire", "RandomOrganization", "Schelling", "WolfSheep"]

@@ -1,0 +1,300 @@
+"""The models of gridlock.library, beside published and exact numbers, and beside their rules in plain Python."""
+
+import math
+import random
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import gridlock
+import gridlock.library
+from gridlock.library import SIR, Flock, ForestFire, RandomOrganization, Schelling, WolfSheep
+
+WALLS = {"box.edge": "wall"}
+PERIODIC = {"box.edge": "periodic"}
+
+
+def ends(settings, names, *, steps, seeds, **more):
+    """The last values of runs of several seeds: an array for each name."""
+    made = gridlock.experiment({**settings, "observe.structure_every": 0}, steps=steps, seeds=seeds, processes=1, **more)
+    return [made.table[name].astype(float) for name in names]
+
+
+def require_mean(values, expected, *, within=3.5):
+    """The mean of independent values is an exact number, but for its standard error."""
+    error = np.std(values, ddof=1) / np.sqrt(len(values))
+    assert error > 0 and abs(np.mean(values) - expected) < within * error, (np.mean(values), error, expected)
+
+
+def require_same_means(ours, theirs):
+    """Two samples of independent values have one mean, but for the standard error of the difference."""
+    error = math.sqrt(np.var(ours, ddof=1) / len(ours) + np.var(theirs, ddof=1) / len(theirs))
+    assert error > 0 and abs(np.mean(ours) - np.mean(theirs)) < 3.5 * error, (np.mean(ours), np.mean(theirs), error)
+
+
+PERCOLATION_THRESHOLD = 0.59274605  # Newman & Ziff 2000, doi:10.1103/PhysRevLett.85.4104
+
+
+@pytest.mark.parametrize("neighbors, density, sign", [("four", PERCOLATION_THRESHOLD, 1), ("eight", 1 - PERCOLATION_THRESHOLD, -1)])
+def test_half_of_all_forests_burn_through_at_the_threshold_of_percolation(neighbors, density, sign):
+    side = 32
+    (crossed,) = ends({"model": ForestFire(side=side, density=density, neighbors=neighbors)}, ["crossed"], steps=5000, seeds=160,
+                      until="burning == 0", every=16)
+    # Ziff 1992, doi:10.1103/PhysRevLett.69.2670: 1/2 + 0.319/side; a forest is crossed by eight neighbours where the bare cells are not by four.
+    require_mean(crossed, 0.5 + sign * 0.319 / side)
+
+
+def test_a_fire_burns_what_is_joined_to_the_left_side():
+    fire = gridlock.Simulation(model=ForestFire(side=60, density=0.6), box={"width": 2.0, "height": 1.0}, observe={"every": 1})
+    forest = fire.frame.fields["forest"] > 0
+    gridlock.run_until(fire, "burning == 0", steps=4000)
+    label = pytest.importorskip("scipy.ndimage").label(forest)[0]
+    joined = forest & np.isin(label, np.unique(label[:, 0][forest[:, 0]]))
+    assert forest.shape == (30, 60) and np.array_equal(fire.frame.fields["forest"] == 3, joined)
+
+
+def test_agents_of_schelling_start_as_happy_as_chance_has_it():
+    side, count, wanted = 40, 1000, 3
+    shares = ends({"model": Schelling(side=side, count=count, wanted=wanted), **WALLS}, ["happy"], steps=0, seeds=40)[0]
+    cells, like = side**2 - 1, count // 2 - 1
+
+    def is_happy(neighbors):
+        return 1 - sum(math.comb(like, k) * math.comb(cells - like, neighbors - k) for k in range(wanted)) / math.comb(cells, neighbors)
+
+    inner, rim = (side - 2) ** 2, 4 * (side - 2)
+    require_mean(shares, (inner * is_happy(8) + rim * is_happy(5) + 4 * is_happy(3)) / side**2)
+
+
+def test_agents_that_nothing_satisfies_stay_mixed():
+    (share,) = ends({"model": Schelling(side=12, count=100, wanted=9), **WALLS}, ["like_share"], steps=6, seeds=60)
+    require_mean(share, 49 / 99)
+
+
+def schelling_in_turns(side, count, radius, wanted, steps, seed):
+    """The rules of the public comparison, agent by agent; returns the share of like neighbours and the moves."""
+    draw = random.Random(seed)
+    cells = [(x, y) for x in range(side) for y in range(side)]
+    draw.shuffle(cells)
+    home = {cell: (0 if n < count / 2 else 1) for n, cell in enumerate(cells[:count])}
+    places, vacant, moves = cells[:count], cells[count:], 0
+
+    def around(x, y):
+        near = [(x + i, y + j) for i in range(-radius, radius + 1) for j in range(-radius, radius + 1) if (i, j) != (0, 0)]
+        return [home[cell] for cell in near if cell in home]
+
+    for _ in range(steps):
+        for agent in draw.sample(range(count), count):
+            x, y = places[agent]
+            if around(x, y).count(home[x, y]) < wanted:
+                k = draw.randrange(len(vacant))
+                home[vacant[k]] = home.pop((x, y))
+                places[agent], vacant[k] = vacant[k], (x, y)
+                moves += 1
+    shares = [around(*cell).count(group) / len(around(*cell)) for cell, group in home.items() if around(*cell)]
+    return sum(shares) / len(shares), moves
+
+
+@pytest.mark.parametrize("radius, wanted", [(1, 3), (2, 8)])
+def test_schelling_is_that_of_the_public_comparison(radius, wanted):
+    side, count, steps = 12, 100, 6
+    ours = ends({"model": Schelling(side=side, count=count, radius=radius, wanted=wanted), **WALLS}, ["like_share", "moves"], steps=steps, seeds=50)
+    theirs = np.array([schelling_in_turns(side, count, radius, wanted, steps, seed) for seed in range(25)]).T
+    for one, other in zip(ours, theirs):
+        require_same_means(one, other)
+
+
+def test_agents_who_want_three_of_eight_end_among_their_own():
+    settings = {"model": Schelling, **WALLS}
+    made = gridlock.experiment(settings, steps=200, seeds=3, until="happy == 1", processes=1)
+    assert made.table["ended"].all() and made.table["like_share"].min() > 0.8
+
+
+def test_schelling_has_one_agent_in_a_cell_and_keeps_its_map():
+    city = gridlock.Simulation(model=Schelling(side=20, count=120), box={"width": 2.0, "height": 1.0, "edge": "wall"})
+    city.run(steps=5)
+    frame = city.frame
+    homes = frame.fields["homes"]
+    rows, columns = (frame.positions[:, 1] * 10).astype(int), (frame.positions[:, 0] * 10).astype(int)
+    mapped = np.zeros_like(homes)
+    mapped[rows, columns] = frame.group + 1
+    assert homes.shape == (10, 20) and np.array_equal(mapped, homes) and np.count_nonzero(homes) == 120
+
+
+def test_wolves_without_sheep_live_on_what_they_have():
+    steps, gain = 10, 13
+    (wolves,) = ends({"model": WolfSheep(sheep=0, wolves=200, wolf_birth=0.0), **WALLS}, ["wolves"], steps=steps, seeds=40)
+    require_mean(wolves, 200 * (2 * gain - steps) / (2 * gain))
+
+
+def test_a_flock_without_wolves_settles_where_its_food_grows():
+    regrowth, gain = 20, 5.0
+    meadow = gridlock.Simulation(model=WolfSheep(wolves=0, regrowth=regrowth, sheep_gain=gain), box={"edge": "periodic"}, observe={"every": 1})
+    meadow.run(steps=300)
+    seen, counts = meadow.series, meadow.counts
+    walked = seen["sheep"][:-1].sum()
+    # The dead have less than 0 energy, and at least -1.
+    lost = seen["energy_of_sheep"][-1] - seen["energy_of_sheep"][0] - gain * counts["meals_of_sheep"] + walked
+    assert 0.0 <= lost < counts["starved_sheep"]
+    # Little 1961, doi:10.1287/opre.9.3.383: as many cells are bare as meals in a step, times the steps until the grass is grown.
+    bare = 625 * (1 - seen["grass"])
+    assert abs(bare[1:].sum() - (regrowth - 1) * counts["meals_of_sheep"]) < 625 * regrowth / 2
+
+
+def wolf_sheep_in_turns(side, sheep, wolves, regrowth, births, steps, seed):
+    """The rules of the public comparison, animal by animal; returns the numbers of sheep and wolves, and the grown cells."""
+    draw = random.Random(seed)
+    gains = (5.0, 13.0)
+    herds = [[[draw.randrange(side), draw.randrange(side), float(draw.randrange(int(2 * gain)))] for _ in range(count)]
+             for gain, count in zip(gains, (sheep, wolves))]
+    bare = {(x, y): 0 if draw.random() < 0.5 else 1 + draw.randrange(regrowth) for x in range(side) for y in range(side)}
+    hops = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)]
+    for _ in range(steps):
+        for kind in (0, 1):
+            for animal in draw.sample(herds[kind], len(herds[kind])):
+                x, y = draw.choice(hops)
+                animal[0], animal[1] = min(max(animal[0] + x, 0), side - 1), min(max(animal[1] + y, 0), side - 1)
+                animal[2] -= 1
+                cell = (animal[0], animal[1])
+                if kind == 0 and bare[cell] == 0:
+                    animal[2] += gains[0]
+                    bare[cell] = regrowth
+                prey = [other for other in herds[0] if (other[0], other[1]) == cell] if kind == 1 else []
+                if prey:
+                    eaten = draw.choice(prey)
+                    herds[0] = [other for other in herds[0] if other is not eaten]
+                    animal[2] += gains[1]
+                if animal[2] < 0:
+                    herds[kind] = [other for other in herds[kind] if other is not animal]
+                elif draw.random() < births[kind]:
+                    animal[2] /= 2
+                    herds[kind].append(list(animal))
+        bare = {cell: max(left - 1, 0) for cell, left in bare.items()}
+    return len(herds[0]), len(herds[1]), sum(left == 0 for left in bare.values()) / side**2
+
+
+def test_wolves_and_sheep_are_those_of_the_public_comparison():
+    side, sheep, wolves, regrowth, births, steps = 9, 40, 15, 6, (0.4, 0.2), 12
+    model = WolfSheep(side=side, sheep=sheep, wolves=wolves, regrowth=regrowth, sheep_birth=births[0], wolf_birth=births[1])
+    ours = ends({"model": model, **WALLS}, ["sheep", "wolves", "grass"], steps=steps, seeds=80)
+    theirs = np.array([wolf_sheep_in_turns(side, sheep, wolves, regrowth, births, steps, seed) for seed in range(80)]).T
+    for one, other in zip(ours, theirs):
+        require_same_means(one, other)
+
+
+def test_headings_that_are_all_noise_have_the_order_of_random_directions():
+    count = 300
+    flock = gridlock.Simulation(model=Flock(count=count, noise=2 * math.pi), box={"width": 7.0, "height": 5.0, "edge": "periodic"}, observe={"every": 1})
+    flock.run(steps=250)
+    require_mean(flock.series["order"][1:], math.sqrt(math.pi / (4 * count)))
+
+
+def test_the_flock_is_that_of_cpp():
+    box = {"width": 5.0, "height": 4.0, "edge": "periodic"}
+    values = dict(count=100, radius=1.0, speed=0.1, noise=3.0)
+    ours = ends({"model": Flock(**values), "box": box}, ["order"], steps=40, seeds=30)[0]
+    theirs = ends({"model.kind": "flocking", "flocking": values, "box": box}, ["order"], steps=40, seeds=30)[0]
+    require_same_means(ours, theirs)
+
+
+def test_disks_placed_at_random_overlap_as_often_as_chance_has_it():
+    count, fraction = 200, 0.2
+    (active,) = ends({"model": RandomOrganization(count=count, packing_fraction=fraction), **PERIODIC}, ["active"], steps=0, seeds=80)
+    require_mean(active, 1 - (1 - 4 * fraction / count) ** (count - 1))
+
+
+def random_organization_in_plain_numpy(count, fraction, kick, steps, seed):
+    draw = np.random.default_rng(seed)
+    diameter = math.sqrt(4 * fraction / (math.pi * count))
+    places = draw.random((count, 2))
+
+    def overlapping():
+        between = places[:, None] - places[None]
+        between -= np.rint(between)
+        return ((between**2).sum(axis=2) < diameter**2).sum(axis=1) > 1
+
+    for _ in range(steps):
+        length, angle = draw.random(count) * kick * diameter * overlapping(), 2 * math.pi * draw.random(count)
+        places = (places + np.stack([length * np.cos(angle), length * np.sin(angle)], axis=1)) % 1.0
+    return overlapping().mean()
+
+
+def test_random_organization_is_that_of_its_rule():
+    values = dict(count=50, packing_fraction=0.35, kick=0.5)
+    (ours,) = ends({"model": RandomOrganization(**values), **PERIODIC}, ["active"], steps=15, seeds=80)
+    theirs = [random_organization_in_plain_numpy(*values.values(), 15, seed) for seed in range(80)]
+    require_same_means(ours, theirs)
+
+
+def test_few_disks_come_to_rest_for_ever():
+    disks = gridlock.Simulation(model=RandomOrganization(count=300, packing_fraction=0.2), box={"edge": "periodic"},
+                                observe={"every": 1})
+    assert gridlock.run_until(disks, "active == 0", steps=2000).step > 5
+    rest = disks.frame.positions
+    disks.run(steps=20)
+    assert np.array_equal(disks.frame.positions, rest)
+
+
+def test_disks_without_room_never_come_to_rest():
+    disks = gridlock.Simulation(model=RandomOrganization(count=100, packing_fraction=0.92), box={"edge": "periodic"}, observe={"every": 1})
+    assert gridlock.run_until(disks, "active == 0", steps=100) is None
+
+
+def test_the_sick_recover_at_their_rate():
+    settings = {"model": SIR(count=400, infected_at_start=1.0, time_step=0.1), **PERIODIC}
+    require_mean(ends(settings, ["infected"], steps=20, seeds=30)[0], 400 * (1 - 0.02) ** 20)
+
+
+@pytest.mark.parametrize("edge", ["periodic", "wall"])
+def test_the_disease_is_that_of_cpp(edge):
+    values = dict(count=250, radius=0.05, speed=0.1, turning_rate=2.0, infection_rate=1.0, recovery_rate=0.4, infected_at_start=0.04)
+    names = ["infected", "recovered"]
+    ours = ends({"model": SIR(**values, time_step=0.1), "box.edge": edge}, names, steps=30, seeds=30)
+    theirs = ends({"model.kind": "epidemic", "epidemic": {**values, "step_length": 0.1}, "box.edge": edge}, names, steps=30, seeds=30)
+    for one, other in zip(ours, theirs):
+        require_same_means(one, other)
+
+
+MODELS = [getattr(gridlock.library, name) for name in gridlock.library.__all__]
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_a_model_of_the_library_says_what_it_is_and_goes_on_with_the_same_bits(model, tmp_path):
+    assert "Source: " in model.__doc__ and "doi:" in model.__doc__ and "Cost: " in model.__doc__
+    settings = {name: value for name, value in vars(model).items() if isinstance(value, gridlock.Setting)}
+    assert settings and all(one.documentation and (one.choices or one.least > -math.inf) for one in settings.values())
+    shared = {"model": model, "box.edge": "wall", "observe.every": 4}
+    gridlock.run({**shared, "run.steps": 12}, tmp_path / "whole")
+    gridlock.run({**shared, "run.steps": 7}, tmp_path / "parts")
+    gridlock.open(tmp_path / "parts").resume(steps=12)
+    whole = gridlock.open(tmp_path / "whole")
+    assert set(model.observations) < set(whole.series.dtype.names)
+    assert whole.summary["state_hash"] == gridlock.open(tmp_path / "parts").summary["state_hash"]
+
+
+def test_a_model_of_the_library_can_be_copied_as_a_file(tmp_path):
+    for model in MODELS:
+        shutil.copy(sys.modules[model.__module__].__file__, tmp_path)
+    names = [model.__module__.rpartition(".")[2] for model in MODELS]
+    script = f"import gridlock, {', '.join(names)}\n" + "".join(
+        f"gridlock.Simulation(model='{model.name}', box={{'edge': 'wall'}}).run(steps=1)\n" for model in MODELS)
+    result = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+
+
+REFUSED = {
+    "a city without edges": ({"model": Schelling, "box.edge": "periodic"}, 'the city of schelling has edges'),
+    "more agents than cells": ({"model": Schelling(count=2000), **WALLS}, "2000 agents have 1600 cells"),
+    "more than certain": ({"model": SIR(infection_rate=50.0), **WALLS}, "infection_rate · time_step is 2.5, but is a probability"),
+    "a density above 1": ({"model": ForestFire(density=1.5)}, "forest_fire.density"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_the_library_refuses(case):
+    settings, words = REFUSED[case]
+    with pytest.raises(gridlock.Error) as error:
+        gridlock.Simulation(settings)
+    assert words in str(error.value)
