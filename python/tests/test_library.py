@@ -11,7 +11,7 @@ import pytest
 
 import gridlock
 import gridlock.library
-from gridlock.library import SIR, Flock, ForestFire, RandomOrganization, Schelling, WolfSheep
+from gridlock.library import SIR, Ants, Flock, ForestFire, RandomOrganization, Schelling, WolfSheep
 
 WALLS = {"box.edge": "wall"}
 PERIODIC = {"box.edge": "periodic"}
@@ -255,6 +255,39 @@ def test_the_disease_is_that_of_cpp(edge):
     theirs = ends({"model.kind": "epidemic", "epidemic": {**values, "step_length": 0.1}, "box.edge": edge}, names, steps=30, seeds=30)
     for one, other in zip(ours, theirs):
         require_same_means(one, other)
+
+
+def variance_of_the_urn(k, n, ants):
+    """Of the number of ants on one branch, from the exact probabilities of all numbers."""
+    chances = np.array([1.0])
+    for gone in range(ants):
+        first = np.arange(gone + 1)
+        takes = (k + first) ** n / ((k + first) ** n + (k + gone - first) ** n)
+        chances = np.append(chances * (1 - takes), 0.0) + np.insert(chances * takes, 0, 0.0)
+    return np.sum(chances * (np.arange(ants + 1) - ants / 2) ** 2)
+
+
+@pytest.mark.parametrize("k, n", [(5.0, 1), (20.0, 2)])
+def test_ants_choose_as_the_balls_of_an_urn_before_any_comes_back(k, n):
+    ants = 38
+    (first,) = ends({"model": Ants(count=ants, k=k, n=n), **WALLS}, ["first"], steps=ants, seeds=100,
+                    measure=lambda one: {"first": one.frame.fields["scent"][0, 0]})
+    require_mean(first, ants / 2)
+    expected = variance_of_the_urn(k, n, ants)
+    assert n != 1 or math.isclose(expected, ants / 4 * (2 * k + ants) / (2 * k + 1))
+    require_mean((first - ants / 2) ** 2, expected)
+
+
+def test_ants_come_to_take_the_short_branch():
+    (first,) = ends({"model": Ants(count=200, flow=2, detour=3.0), **WALLS}, ["first_branch"], steps=250, seeds=16)
+    assert first.mean() - 0.5 > 3.5 * first.std(ddof=1) / np.sqrt(16)
+
+
+def test_ants_leave_their_scent_on_the_whole_way():
+    bridge = gridlock.Simulation(model=Ants(count=1, detour=1.5), box={"edge": "wall"})
+    gridlock.run_until(bridge, lambda one: one.counts["trips"] == 1, steps=100)
+    ant, scent = bridge.frame, bridge.frame.fields["scent"]
+    assert bridge.clock.step in (41, 51, 61) and np.allclose(scent.sum(axis=0)[1:], 2.0) and ant.way[0] == 1
 
 
 MODELS = [getattr(gridlock.library, name) for name in gridlock.library.__all__]
