@@ -18,6 +18,7 @@ from .settings import as_threads, assignments, given
 from .tables import structured
 
 if TYPE_CHECKING:
+    import pandas  # type: ignore[import-untyped]
     from numpy.typing import NDArray
 
 Settings = tuple["str | None", "list[tuple[str, str]]"]
@@ -33,6 +34,12 @@ class SweepDirectory:
     def table(self) -> NDArray[Any]:
         """One row for each run: its values, ``status``, ``state_hash`` and every result with its error."""
         return structured(_core.read_csv(str(self.path / "sweep.csv")))
+
+    def frame(self) -> pandas.DataFrame:
+        """The table as a frame of pandas, which has to be installed."""
+        import pandas
+
+        return pandas.DataFrame(_core.read_csv(str(self.path / "sweep.csv")))
 
     @property
     def means(self) -> NDArray[Any]:

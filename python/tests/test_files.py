@@ -222,6 +222,8 @@ def test_a_sweep_is_that_of_the_command_line(program, tmp_path):
     expect_same(made, gridlock.open(tmp_path / "b"))
     assert made.means["runs"].tolist() == [3, 3]
     assert len(made.runs) == 6 and made.runs[0].state_hash == made.table["state_hash"][0]
+    pytest.importorskip("pandas")
+    assert made.frame()["state_hash"].tolist() == made.table["state_hash"].tolist()
 
 
 @pytest.mark.parametrize("kind", [concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])

@@ -11,7 +11,7 @@ import pytest
 
 import gridlock
 import gridlock.library
-from gridlock.library import SIR, Ants, Flock, ForestFire, RandomOrganization, Schelling, WolfSheep
+from gridlock.library import SIR, Ants, Boids, Flock, ForestFire, RandomOrganization, Schelling, WolfSheep
 
 WALLS = {"box.edge": "wall"}
 PERIODIC = {"box.edge": "periodic"}
@@ -199,6 +199,45 @@ def test_the_flock_is_that_of_cpp():
     require_same_means(ours, theirs)
 
 
+def boids_in_turns(count, side, radius, steps, seed, speed=1.0, separation=1.0, cohesion=0.03, apart=0.015, alignment=0.05):
+    """The rules of the public comparison, with a search over all birds in each turn; returns the order and the mean square gap to all others."""
+    draw = np.random.default_rng(seed)
+    places, angle = draw.random((count, 2)) * side, 2 * math.pi * draw.random(count)
+    headings = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    for _ in range(steps):
+        for bird in draw.permutation(count):
+            gaps = places - places[bird]
+            gaps -= side * np.rint(gaps / side)
+            distances = np.hypot(*gaps.T)
+            near = (distances <= radius) & (np.arange(count) != bird)
+            wish = cohesion * gaps[near].sum(axis=0) - apart * gaps[near & (distances < separation)].sum(axis=0) + alignment * headings[near].sum(axis=0)
+            heading = headings[bird] + wish / max(near.sum(), 1)
+            headings[bird] = heading / np.hypot(*heading)
+            places[bird] = (places[bird] + speed * headings[bird]) % side
+    return np.hypot(*headings.mean(axis=0)), spread_of(places, side)
+
+
+def spread_of(places, side):
+    gaps = places[:, None] - places[None]
+    return ((gaps - side * np.rint(gaps / side)) ** 2).mean()
+
+
+def test_boids_are_those_of_the_public_comparison():
+    count, side, radius, steps = 30, 20.0, 5.0, 12
+    ours = ends({"model": Boids(count=count, radius=radius), "box": {"width": side, "height": side, "edge": "periodic"}}, ["order", "spread"], steps=steps,
+                seeds=40, measure=lambda one: {"order": one.series["order"][-1], "spread": spread_of(one.frame.positions, side)})
+    theirs = np.array([boids_in_turns(count, side, radius, steps, seed) for seed in range(25)]).T
+    for one, other in zip(ours, theirs):
+        require_same_means(one, other)
+
+
+def test_a_bird_alone_flies_straight_on():
+    bird = gridlock.Simulation(model=Boids(count=1), box={"width": 30.0, "height": 20.0, "edge": "periodic"})
+    place, heading = bird.frame.positions[0], np.array([bird.frame.heading_x[0], bird.frame.heading_y[0]])
+    bird.run(steps=50)
+    assert np.allclose(bird.frame.positions[0], (place + 50 * heading) % [30.0, 20.0], atol=1e-9)
+
+
 def test_disks_placed_at_random_overlap_as_often_as_chance_has_it():
     count, fraction = 200, 0.2
     (active,) = ends({"model": RandomOrganization(count=count, packing_fraction=fraction), **PERIODIC}, ["active"], steps=0, seeds=80)
@@ -298,7 +337,8 @@ def test_a_model_of_the_library_says_what_it_is_and_goes_on_with_the_same_bits(m
     assert "Source: " in model.__doc__ and "doi:" in model.__doc__ and "Cost: " in model.__doc__
     settings = {name: value for name, value in vars(model).items() if isinstance(value, gridlock.Setting)}
     assert settings and all(one.documentation and (one.choices or one.least > -math.inf) for one in settings.values())
-    shared = {"model": model, "box.edge": "wall", "observe.every": 4}
+    box = {"width": 30.0, "height": 30.0, "edge": "periodic"} if model is Boids else {"edge": "wall"}
+    shared = {"model": model, "box": box, "observe.every": 4}
     gridlock.run({**shared, "run.steps": 12}, tmp_path / "whole")
     gridlock.run({**shared, "run.steps": 7}, tmp_path / "parts")
     gridlock.open(tmp_path / "parts").resume(steps=12)
@@ -312,13 +352,16 @@ def test_a_model_of_the_library_can_be_copied_as_a_file(tmp_path):
         shutil.copy(sys.modules[model.__module__].__file__, tmp_path)
     names = [model.__module__.rpartition(".")[2] for model in MODELS]
     script = f"import gridlock, {', '.join(names)}\n" + "".join(
-        f"gridlock.Simulation(model='{model.name}', box={{'edge': 'wall'}}).run(steps=1)\n" for model in MODELS)
+        f"gridlock.Simulation(model='{model.name}', box={{'width': 30.0, 'height': 30.0, 'edge': '{'periodic' if model is Boids else 'wall'}'}}).run(steps=1)\n"
+        for model in MODELS)
     result = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
 
 
 REFUSED = {
     "a city without edges": ({"model": Schelling, "box.edge": "periodic"}, 'the city of schelling has edges'),
+    "a sky with edges": ({"model": Boids, **WALLS}, "the sky of boids has no edges"),
+    "a sky that is too small": ({"model": Boids, **PERIODIC}, "birds see and move as far as 6 in a box of 1 × 1"),
     "more agents than cells": ({"model": Schelling(count=2000), **WALLS}, "2000 agents have 1600 cells"),
     "more than certain": ({"model": SIR(infection_rate=50.0), **WALLS}, "infection_rate · time_step is 2.5, but is a probability"),
     "a density above 1": ({"model": ForestFire(density=1.5)}, "forest_fire.density"),

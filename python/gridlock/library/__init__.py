@@ -12,6 +12,7 @@ Each is a class as any of one's own: its settings have bounds, its docstring giv
 """
 
 from .ants import Ants
+from .boids import Boids
 from .flock import Flock
 from .forest_fire import ForestFire
 from .random_organization import RandomOrganization
@@ -19,4 +20,4 @@ from .schelling import Schelling
 from .sir import SIR
 from .wolf_sheep import WolfSheep
 
-__all__ = ["SIR", "Ants", "Flock", "ForestFire", "RandomOrganization", "Schelling", "WolfSheep"]
+__all__ = ["SIR", "Ants", "Boids", "Flock", "ForestFire", "RandomOrganization", "Schelling", "WolfSheep"]
