@@ -25,7 +25,7 @@ class Ants(gridlock.Model):
     short and a long one the short one, from which ants come back first. While none has come back the choices are those of an urn: with n = 1
     that of Pólya, in which the variance of the number of M ants on a branch is (M/4) (2k + M)/(2k + 1).
 
-    The nest is on the left, food on the right, the first branch is the lower half of the box. Cost: about 0.2 µs an ant and step.
+    The nest is on the left, food on the right, the first branch is the lower half of the box. Cost: about 0.2 ms a step of some hundred ants.
 
     Source: J.-L. Deneubourg, S. Aron, S. Goss, J. M. Pasteels (1990), doi:10.1007/BF01417909, for the law and k = 20, n = 2; S. Goss et al.
     (1989), doi:10.1007/BF00462870, for branches of different lengths.

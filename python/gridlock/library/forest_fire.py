@@ -19,7 +19,7 @@ class ForestFire(gridlock.Model):
     neighbours joins to it. A large forest burns through where the density is above the threshold of site percolation: 0.59274605 with four
     neighbours, 1 − 0.59274605 with eight. At the threshold it burns through with the probability 1/2.
 
-    An automaton: a field with a step, without agents. Cost: about 1 ns a cell and step.
+    An automaton: a field with a step, without agents. Cost: about 3 ns a cell and step.
 
     Source: M. E. J. Newman, R. M. Ziff (2000), doi:10.1103/PhysRevLett.85.4104, for the threshold; R. M. Ziff (1992),
     doi:10.1103/PhysRevLett.69.2670, for the probability.

@@ -19,7 +19,7 @@ class RandomOrganization(gridlock.Model):
     nothing moves any more: an absorbing state. Above it activity never ends; above π / √12 = 0.9069, where disks have no room to lie apart,
     it cannot. Points placed at random are active with the probability 1 − (1 − π D²/A)^(N − 1).
 
-    The isotropic variant of the model of sheared suspensions. Cost: about 0.2 µs a disk and step.
+    The isotropic variant of the model of sheared suspensions. Cost: about 0.3 µs a disk and step.
 
     Source: L. Corté, P. M. Chaikin, J. P. Gollub, D. J. Pine (2008), doi:10.1038/nphys891; E. Tjhung, L. Berthier (2015),
     doi:10.1103/PhysRevLett.114.148301, for the isotropic kicks.
