@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/decay.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/spread.hpp"
 
@@ -43,27 +44,35 @@ namespace gridlock::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Carries out add_weighted_plain().
-void add_weighted(double const* const* rows, std::span<double const> weights, double* out, std::size_t count) {
+void add_weighted(double const* const* rows, std::span<double const> weights, double* out, std::size_t first,
+                  std::size_t last) {
   hn::ScalableTag<double> const tag;
   std::size_t const lanes = hn::Lanes(tag);
   auto const reach = static_cast<std::ptrdiff_t>(weights.size());
-  std::size_t k = 0;
-  // Two registers at a time hide the delay of an addition.
-  for (; k + 2 * lanes <= count; k += 2 * lanes) {
-    auto const first = hn::Set(tag, weights[0]);
-    auto sum = hn::Mul(first, hn::LoadU(tag, rows[0] + k));
-    auto next = hn::Mul(first, hn::LoadU(tag, rows[0] + k + lanes));
+  std::size_t k = first;
+  // Four registers at a time hide the delay of an addition.
+  for (; k + 4 * lanes <= last; k += 4 * lanes) {
+    auto const middle = hn::Set(tag, weights[0]);
+    auto a = hn::Mul(middle, hn::LoadU(tag, rows[0] + k));
+    auto b = hn::Mul(middle, hn::LoadU(tag, rows[0] + k + lanes));
+    auto c = hn::Mul(middle, hn::LoadU(tag, rows[0] + k + 2 * lanes));
+    auto d = hn::Mul(middle, hn::LoadU(tag, rows[0] + k + 3 * lanes));
     for (std::ptrdiff_t n = 1; n < reach; ++n) {
       auto const weight = hn::Set(tag, weights[static_cast<std::size_t>(n)]);
       double const* const low = rows[-n] + k;
       double const* const high = rows[n] + k;
-      sum = hn::Add(sum, hn::Mul(weight, hn::Add(hn::LoadU(tag, low), hn::LoadU(tag, high))));
-      next = hn::Add(next, hn::Mul(weight, hn::Add(hn::LoadU(tag, low + lanes), hn::LoadU(tag, high + lanes))));
+      auto const both = [&](std::size_t by) { return hn::Add(hn::LoadU(tag, low + by), hn::LoadU(tag, high + by)); };
+      a = hn::Add(a, hn::Mul(weight, both(0)));
+      b = hn::Add(b, hn::Mul(weight, both(lanes)));
+      c = hn::Add(c, hn::Mul(weight, both(2 * lanes)));
+      d = hn::Add(d, hn::Mul(weight, both(3 * lanes)));
     }
-    hn::StoreU(sum, tag, out + k);
-    hn::StoreU(next, tag, out + k + lanes);
+    hn::StoreU(a, tag, out + k);
+    hn::StoreU(b, tag, out + k + lanes);
+    hn::StoreU(c, tag, out + k + 2 * lanes);
+    hn::StoreU(d, tag, out + k + 3 * lanes);
   }
-  for (; k < count; ++k) out[k] = weighted_sum(rows, weights, k);
+  for (; k < last; ++k) out[k] = weighted_sum(rows, weights, k);
 }
 
 }  // namespace gridlock::HWY_NAMESPACE
@@ -77,12 +86,13 @@ namespace gridlock {
 
 namespace {
 
-using AddWeighted = void (*)(double const* const* rows, std::span<double const> weights, double* out,
-                             std::size_t count);
+using AddWeighted = void (*)(double const* const* rows, std::span<double const> weights, double* out, std::size_t first,
+                             std::size_t last);
 
-/// Sets out[k] to weighted_sum(rows, weights, k) for each k below `count`.
-void add_weighted_plain(double const* const* rows, std::span<double const> weights, double* out, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k) out[k] = weighted_sum(rows, weights, k);
+/// Sets out[k] to weighted_sum(rows, weights, k) for k = first … last − 1.
+void add_weighted_plain(double const* const* rows, std::span<double const> weights, double* out, std::size_t first,
+                        std::size_t last) {
+  for (std::size_t k = first; k < last; ++k) out[k] = weighted_sum(rows, weights, k);
 }
 
 AddWeighted add_weighted_for([[maybe_unused]] Target instructions) {
@@ -147,10 +157,23 @@ double lambda_of_uniform(Line const& line) {
   return 5.0 * static_cast<double>(line.cells) * static_cast<double>(line.cells);
 }
 
-/// Rows that one thread spreads along x at a time, and columns along y, of which a copy stays in the second cache.
-constexpr std::size_t rows_per_part = 16;
-constexpr std::size_t columns_per_part = 64;
+/// Rows that a thread spreads along y at a time, and columns: all that they need stays in the first cache.
+constexpr std::size_t rows_of_block = 16;
+constexpr std::size_t columns_of_block = 128;
 
+/// Makes the mean of a line of `line.cells` values the value of all.
+void make_uniform(Line const& line, double* values, std::size_t stride) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < line.cells; ++k) sum += values[k * stride];
+  double const mean = sum / static_cast<double>(line.cells);
+  for (std::size_t k = 0; k < line.cells; ++k) values[k * stride] = mean;
+}
+
+/// Spreads a field along x and along y in one pass over its memory.
+///
+/// Each band of rows is spread by one thread, block by block from below. A window has the rows around the block, spread
+/// along x; so a row of the field may change when the block has passed. The rows at the ends of all bands, which other
+/// bands need, are spread along x before, and kept until the end.
 class Spread {
  public:
   Spread(Field& field, Box const& box, ThreadPool& threads, Target instructions)
@@ -160,85 +183,110 @@ class Spread {
         threads_(threads),
         add_weighted_(add_weighted_for(instructions)) {}
 
-  void along_x(double lambda) {
-    std::size_t const columns = across_.cells;
-    if (lambda >= lambda_of_uniform(across_)) return make_uniform_along_x();
-    std::vector<double> const weights = weights_of(lambda);
-    std::size_t const reach = weights.size() - 1;
-    for_each_part_of_rows([&](std::size_t first, std::size_t last) {
-      std::vector<double> padded(columns + 2 * reach);
-      std::vector<double const*> places(2 * reach + 1);
-      for (std::size_t n = 0; n < places.size(); ++n) places[n] = padded.data() + n;
-      for (std::size_t row = first; row < last; ++row) {
-        double* const values = values_.data() + row * columns;
-        std::copy_n(values, columns, padded.begin() + static_cast<std::ptrdiff_t>(reach));
-        for (std::size_t n = 1; n <= reach; ++n) {
-          padded[reach - n] = values[across_.at(-static_cast<std::ptrdiff_t>(n))];
-          padded[reach + columns + n - 1] = values[across_.at(static_cast<std::ptrdiff_t>(columns + n - 1))];
-        }
-        add_weighted_(places.data() + reach, weights, values, columns);
-      }
-    });
-  }
-
-  void along_y(double lambda, double factor) {
-    std::size_t const columns = across_.cells;
-    if (lambda >= lambda_of_uniform(upwards_)) {
-      make_uniform_along_y();
-      lambda = 0.0;
+  void carry_out(double lambda_x, double lambda_y, double factor) {
+    if (lambda_x >= lambda_of_uniform(across_)) {
+      for (std::size_t row = 0; row < upwards_.cells; ++row) make_uniform(across_, values_of(row), 1);
+      lambda_x = 0.0;
     }
-    std::vector<double> weights = lambda > 0.0 ? weights_of(lambda) : std::vector<double>{1.0};
-    for (double& weight : weights) weight *= factor;
-    std::size_t const parts = (columns + columns_per_part - 1) / columns_per_part;
-    threads_.for_each(parts, [&](std::size_t part) {
-      std::size_t const first = part * columns_per_part;
-      spread_strip(first, std::min(columns_per_part, columns - first), weights);
-    });
+    if (lambda_y >= lambda_of_uniform(upwards_)) {
+      for (std::size_t column = 0; column < across_.cells; ++column) {
+        make_uniform(upwards_, values_.data() + column, across_.cells);
+      }
+      lambda_y = 0.0;
+    }
+    weights_x_ = weights_of(lambda_x);
+    weights_y_ = weights_of(lambda_y);
+    for (double& weight : weights_y_) weight *= factor;
+    std::size_t const bands = threads_.size() == 1 ? 1 : std::min(upwards_.cells, 4 * threads_.size());
+    choose_rows_to_keep(bands);
+    threads_.for_each(bands, [&](std::size_t band) { keep_rows(band_of(band, bands)); });
+    threads_.for_each(bands, [&](std::size_t band) { spread_band(band_of(band, bands)); });
   }
 
  private:
-  template <class SpreadRows>
-  void for_each_part_of_rows(SpreadRows spread_rows) {
-    std::size_t const parts = (upwards_.cells + rows_per_part - 1) / rows_per_part;
-    threads_.for_each(parts, [&](std::size_t part) {
-      std::size_t const first = part * rows_per_part;
-      spread_rows(first, std::min(first + rows_per_part, upwards_.cells));
-    });
-  }
-
-  /// Spreads some columns along y.
-  void spread_strip(std::size_t first, std::size_t width, std::span<double const> weights) {
-    std::size_t const reach = weights.size() - 1;
-    std::vector<double> before(upwards_.cells * width);
-    for (std::size_t row = 0; row < upwards_.cells; ++row) {
-      std::ranges::copy(values_.subspan(row * across_.cells + first, width), before.begin() + offset(row * width));
-    }
-    std::vector<double const*> rows(upwards_.cells + 2 * reach);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      rows[k] = before.data() + upwards_.at(offset(k) - offset(reach)) * width;
-    for (std::size_t row = 0; row < upwards_.cells; ++row) {
-      add_weighted_(rows.data() + row + reach, weights, values_.data() + row * across_.cells + first, width);
-    }
-  }
+  struct Band {
+    std::size_t first;
+    std::size_t last;
+  };
+  /// A row with the values beyond its ends, and the places of the sums along x in it.
+  struct PaddedRow {
+    std::vector<double> values;
+    std::vector<double const*> places;
+  };
+  static constexpr std::size_t not_kept = static_cast<std::size_t>(-1);
   static std::ptrdiff_t offset(std::size_t count) { return static_cast<std::ptrdiff_t>(count); }
 
-  void make_uniform_along_x() {
-    for_each_part_of_rows([&](std::size_t first, std::size_t last) {
-      for (std::size_t row = first; row < last; ++row) {
-        std::span<double> const values = values_.subspan(row * across_.cells, across_.cells);
-        double sum = 0.0;
-        for (double const value : values) sum += value;
-        std::ranges::fill(values, sum / static_cast<double>(values.size()));
-      }
-    });
+  [[nodiscard]] Band band_of(std::size_t band, std::size_t bands) const {
+    return {.first = band * upwards_.cells / bands, .last = (band + 1) * upwards_.cells / bands};
   }
-  void make_uniform_along_y() {
-    std::size_t const columns = across_.cells;
-    for (std::size_t column = 0; column < columns; ++column) {
-      double sum = 0.0;
-      for (std::size_t row = 0; row < upwards_.cells; ++row) sum += values_[row * columns + column];
-      double const mean = sum / static_cast<double>(upwards_.cells);
-      for (std::size_t row = 0; row < upwards_.cells; ++row) values_[row * columns + column] = mean;
+  [[nodiscard]] double* values_of(std::size_t row) { return values_.data() + row * across_.cells; }
+  [[nodiscard]] std::size_t reach_x() const { return weights_x_.size() - 1; }
+  [[nodiscard]] std::size_t reach_y() const { return weights_y_.size() - 1; }
+  /// The distance of rows in memory: an odd number of cache lines, so that rows do not evict each other.
+  [[nodiscard]] std::size_t stride() const { return (((across_.cells + 7) / 8) | 1U) * 8; }
+
+  void choose_rows_to_keep(std::size_t bands) {
+    place_kept_.assign(upwards_.cells, not_kept);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < bands; ++k) {
+      auto const [first, last] = band_of(k, bands);
+      for (std::size_t row = first; row < last; ++row) {
+        if (row - first < reach_y() || last - row <= reach_y()) place_kept_[row] = kept++;
+      }
+    }
+    kept_.resize(kept * stride());
+  }
+
+  [[nodiscard]] PaddedRow padded_row() const {
+    PaddedRow padded{.values = std::vector<double>(across_.cells + 2 * reach_x()), .places = {}};
+    for (std::size_t n = 0; n <= 2 * reach_x(); ++n) padded.places.push_back(padded.values.data() + n);
+    return padded;
+  }
+  void spread_along_x(std::size_t row, PaddedRow& padded, double* out) {
+    double const* const values = values_of(row);
+    std::size_t const reach = reach_x();
+    std::copy_n(values, across_.cells, padded.values.data() + reach);
+    for (std::size_t n = 1; n <= reach; ++n) {
+      padded.values[reach - n] = values[across_.at(-offset(n))];
+      padded.values[reach + across_.cells + n - 1] = values[across_.at(offset(across_.cells + n - 1))];
+    }
+    add_weighted_(padded.places.data() + reach, weights_x_, out, 0, across_.cells);
+  }
+
+  void keep_rows(Band band) {
+    PaddedRow padded = padded_row();
+    for (std::size_t row = band.first; row < band.last; ++row) {
+      if (place_kept_[row] != not_kept) spread_along_x(row, padded, kept_.data() + place_kept_[row] * stride());
+    }
+  }
+
+  void spread_band(Band band) {
+    PaddedRow padded = padded_row();
+    std::size_t const rows_of_window = std::min(band.last - band.first, rows_of_block + 2 * reach_y());
+    UninitializedArray<double> window(rows_of_window * stride());
+    auto const spread_row = [&](std::size_t row) {
+      return place_kept_[row] != not_kept ? kept_.data() + place_kept_[row] * stride()
+                                          : window.data() + row % rows_of_window * stride();
+    };
+    std::vector<double const*> rows(rows_of_block + 2 * reach_y());
+    std::size_t next = band.first;
+    for (std::size_t first = band.first; first < band.last; first += rows_of_block) {
+      std::size_t const last = std::min(first + rows_of_block, band.last);
+      for (; next < std::min(last + reach_y(), band.last); ++next) {
+        if (place_kept_[next] == not_kept) spread_along_x(next, padded, spread_row(next));
+      }
+      for (std::size_t k = 0; k < last - first + 2 * reach_y(); ++k) {
+        rows[k] = spread_row(upwards_.at(offset(first + k) - offset(reach_y())));
+      }
+      spread_block({.first = first, .last = last}, rows);
+    }
+  }
+  void spread_block(Band block, std::span<double const* const> rows) {
+    for (std::size_t column = 0; column < across_.cells; column += columns_of_block) {
+      std::size_t const end = std::min(column + columns_of_block, across_.cells);
+      for (std::size_t row = block.first; row < block.last; ++row) {
+        add_weighted_(rows.data() + (row - block.first) + reach_y(), weights_y_, values_of(row), column, end);
+      }
     }
   }
 
@@ -247,6 +295,10 @@ class Spread {
   Line upwards_;
   ThreadPool& threads_;
   AddWeighted add_weighted_;
+  std::vector<double> weights_x_;
+  std::vector<double> weights_y_;
+  std::vector<std::size_t> place_kept_;  ///< of each row in kept_, or not_kept
+  UninitializedArray<double> kept_;
 };
 
 void require_amount(Field const& field, char const* what, double amount) {
@@ -265,9 +317,9 @@ void spread(Field& field, Box const& box, Spreading const& amounts, ThreadPool& 
   double const factor = decay(amounts.decay);
   double const lambda_x = amounts.diffusion / (width * width);
   double const lambda_y = amounts.diffusion / (height * height);
-  Spread field_to_spread(field, box, threads, instructions);
-  if (lambda_x > 0.0) field_to_spread.along_x(lambda_x);
-  if (lambda_y > 0.0 || factor != 1.0) field_to_spread.along_y(lambda_y, factor);
+  if (amounts.diffusion > 0.0 || factor != 1.0) {
+    Spread(field, box, threads, instructions).carry_out(lambda_x, lambda_y, factor);
+  }
 }
 
 }  // namespace gridlock
