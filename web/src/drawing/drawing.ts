@@ -2,6 +2,7 @@ import { makeRenderer, type AgentRenderer, type RendererKind } from "./agent_ren
 import { Camera } from "./camera.ts";
 import { paint, type Colouring, type Paint } from "./colouring.ts";
 import { download, Recording } from "./export.ts";
+import { FieldPicture, type Field, type FieldRange } from "./field_picture.ts";
 import { numberAt, type Frame, type Point } from "./frame.ts";
 import { Gestures } from "./gestures.ts";
 import { drawOverlay, LEGEND_HEIGHT, LIGHT, shortNumber, type Overlay, type Theme } from "./overlay.ts";
@@ -51,6 +52,7 @@ export class Drawing {
   private readonly observer: ResizeObserver;
   private isEmpty = true;
   private frame: Frame = { box: { width: 1, height: 1, periodic: false }, count: 0, positions: new Float32Array(0) };
+  private field: FieldPicture | undefined;
   private paint: Paint = { palette: [], places: new Uint16Array(0), legend: { kind: "none" } };
   private overlay: Overlay = {};
   private theme: Theme = LIGHT;
@@ -81,6 +83,22 @@ export class Drawing {
   /** The canvas that has the keyboard's focus: arrows move, + and − zoom, 0 shows all. */
   get element(): HTMLElement {
     return this.over;
+  }
+
+  /** Draws a field beneath the agents of the frames that come, or none. */
+  setField(field?: Field, range?: FieldRange): void {
+    if (field === undefined || range === undefined) {
+      this.field?.canvas.remove();
+      this.field = undefined;
+    } else {
+      if (this.field === undefined) {
+        this.field = new FieldPicture();
+        this.field.canvas.style.cssText = this.agents.style.cssText;
+        this.host.prepend(this.field.canvas);
+      }
+      this.field.load(field, range);
+    }
+    this.redraw();
   }
 
   /** Draws a frame. Throws RangeError if there are not as many values as agents. */
@@ -129,6 +147,7 @@ export class Drawing {
         theme: this.theme,
         width: this.host.clientWidth,
         height: this.host.clientHeight,
+        ...(this.field === undefined ? {} : { field: this.field.address() }),
       });
       return new Blob([text], { type: "image/svg+xml" });
     }
@@ -182,6 +201,7 @@ export class Drawing {
     cancelAnimationFrame(this.scheduled);
     this.observer.disconnect();
     this.renderer.dispose();
+    this.field?.canvas.remove();
     this.agents.remove();
     this.over.remove();
   }
@@ -198,6 +218,7 @@ export class Drawing {
   private paintNow(): void {
     // A dark line parts disks on any background.
     this.renderer.draw(this.camera, this.pixelRatio, LIGHT.ink);
+    this.field?.draw(this.camera, this.frame.box, this.pixelRatio, this.agents.width, this.agents.height);
     const context = this.context;
     const width = this.host.clientWidth;
     const height = this.host.clientHeight;
@@ -220,6 +241,7 @@ export class Drawing {
     const [red, green, blue] = this.theme.background.map((part) => Math.round(255 * part));
     context.fillStyle = `rgb(${red} ${green} ${blue})`;
     context.fillRect(0, 0, canvas.width, canvas.height);
+    if (this.field !== undefined) context.drawImage(this.field.canvas, 0, 0);
     context.drawImage(this.agents, 0, 0);
     context.drawImage(this.over, 0, 0);
     return canvas;

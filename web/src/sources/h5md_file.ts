@@ -1,5 +1,6 @@
 import type { Dataset, File, Group } from "h5wasm";
 
+import type { Field } from "../drawing/field_picture.ts";
 import type { Box, Numbers } from "../drawing/frame.ts";
 import { wallsIn } from "../drawing/walls.ts";
 import { SourceError, type Description, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
@@ -62,6 +63,7 @@ export class H5mdFile implements FrameReader {
       table: { times, quantities: this.quantities(frames) },
       notes: this.notes(),
       walls: wallsIn(this.configuration()),
+      fields: this.fieldNames(frames),
     };
   }
 
@@ -81,7 +83,25 @@ export class H5mdFile implements FrameReader {
     for (const element of this.elements) this.addColumns(element, index, ids.length, columns);
     const box = this.boxAt(index, columns);
     const { steps, times } = this.description;
-    return { step: steps[index] as number, time: times[index] as number, box, ids, columns, stateHash: this.stateHash(index) };
+    const fields = Object.fromEntries((this.description.fields ?? []).map((name) => [name, this.fieldAt(name, index)]));
+    return { step: steps[index] as number, time: times[index] as number, box, ids, columns, stateHash: this.stateHash(index), fields };
+  }
+
+  /** Fields of several cells, of which there are all frames. */
+  private fieldNames(frames: number): string[] {
+    return (this.group("/fields")?.keys() ?? []).filter((name) => {
+      const data = this.dataset(`/fields/${name}/value`);
+      const [stored = 0, rows = 0, columns = 0] = data?.shape ?? [];
+      return data !== undefined && isNumbers(data) && data.shape?.length === 3 && stored >= frames && rows * columns > 1;
+    });
+  }
+
+  private fieldAt(name: string, index: number): Field {
+    const data = this.require(`/fields/${name}/value`);
+    const [, rows, columns] = data.shape as [number, number, number];
+    const values = data.slice([[index, index + 1], [0, rows], [0, columns]]);
+    if (!ArrayBuffer.isView(values)) this.refuse(`frame ${index} is damaged: ${name} is missing`);
+    return { rows, columns, values: values as unknown as Numbers };
   }
 
   /** Absent agents come last, and have the fill value. */

@@ -1,5 +1,6 @@
 /** Where frames come from: a run that is served, or a file that was dropped on the page. */
 
+import type { Field } from "../drawing/field_picture.ts";
 import type { Box, Numbers } from "../drawing/frame.ts";
 import type { Wall } from "../drawing/walls.ts";
 
@@ -35,6 +36,8 @@ export interface Description {
   readonly notes: readonly string[];
   /** Those inside the box, where the settings of the run are known. */
   readonly walls?: readonly Wall[];
+  /** The names of the fields of a model, grids of numbers over the box. */
+  readonly fields?: readonly string[];
 }
 
 /** All agents at one step. */
@@ -47,6 +50,8 @@ export interface SourceFrame {
   readonly columns: Readonly<Record<string, Numbers>>;
   /** 16 hexadecimal digits, where it is known. */
   readonly stateHash: string;
+  /** Of the names that the description has. */
+  readonly fields?: Readonly<Record<string, Field>>;
 }
 
 /**

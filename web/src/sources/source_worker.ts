@@ -47,7 +47,7 @@ async function answer(question: Question): Promise<unknown> {
 function buffersOf(value: unknown): ArrayBuffer[] {
   const frame = value as Partial<SourceFrame>;
   if (frame.ids === undefined || frame.columns === undefined) return [];
-  const arrays = [frame.ids, ...Object.values(frame.columns)];
+  const arrays = [frame.ids, ...Object.values(frame.columns), ...Object.values(frame.fields ?? {}).map((field) => field.values)];
   return [...new Set(arrays.map((array) => array.buffer as ArrayBuffer))];
 }
 

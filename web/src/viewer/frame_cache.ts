@@ -3,7 +3,8 @@ import type { FrameSource, SourceFrame } from "../sources/source.ts";
 const MOST_BYTES = 256 * 2 ** 20;
 
 function bytesOf(frame: SourceFrame): number {
-  return Object.values(frame.columns).reduce((sum, column) => sum + column.byteLength, frame.ids.byteLength);
+  const arrays = [...Object.values(frame.columns), ...Object.values(frame.fields ?? {}).map((field) => field.values)];
+  return arrays.reduce((sum, column) => sum + column.byteLength, frame.ids.byteLength);
 }
 
 /** The frames of a source that were asked for lately, and the next one while this one is looked at. */

@@ -3,6 +3,7 @@ import { RunCharts } from "../charts/run_charts.ts";
 import { Series } from "../charts/series.ts";
 import { Drawing } from "../drawing/drawing.ts";
 import { download, videoEnding } from "../drawing/export.ts";
+import { rangeOfField, type FieldRange } from "../drawing/field_picture.ts";
 import { element, iconButton, select, setOptions, words } from "../page/dom.ts";
 import { menu, type MenuItem } from "../page/menu.ts";
 import { copy, notice } from "../page/notices.ts";
@@ -32,6 +33,8 @@ export class Viewer {
   private readonly film = new Film(this.playback, () => void copy(this.shown?.stateHash ?? "", "State hash"), this.tools);
   private readonly panel = new SourcePanel((id) => void this.openRun(id), (files) => void this.openFiles(files), () => void this.openRun(this.run));
   private readonly colour = select("Colour by", [], "", (name) => this.colourBy(name));
+  private readonly field = select("Field beneath", [], "", () => this.chooseField());
+  private readonly fieldRow = element("label", { class: "field row", hidden: true }, element("span", { class: "name" }, "Field"), this.field);
   private readonly grid = element("input", { type: "checkbox", onchange: () => this.showOverlay() });
   private readonly gridField = element("label", { class: "check", hidden: true }, this.grid, "Grid of k × k cells");
   private readonly selection = new Selection();
@@ -45,6 +48,7 @@ export class Viewer {
   private source: FrameSource | undefined;
   private cache: FrameCache | undefined;
   private shown: SourceFrame | undefined;
+  private fieldRange: FieldRange | undefined; // of the frames of the field that were shown
   private chosenColour = "";
   private opened = 0; // how many sources were asked for: of two the later one counts
   private adds = false; // whether the click that comes adds to the selection
@@ -109,7 +113,7 @@ export class Viewer {
     const fit = iconButton("fit", "Show the whole box", () => this.drawing.resetView(), "Show the whole box (0)");
     this.tools.append(measure, fit, menu("Save", "save", () => this.exports()));
     const colour = element("label", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
-    const look = element("div", { class: "group" }, element("h2", {}, "Look"), colour, this.gridField);
+    const look = element("div", { class: "group" }, element("h2", {}, "Look"), colour, this.fieldRow, this.gridField);
     const side = element("aside", { class: "side setup", "aria-label": "Run and look" }, this.panel.element, look, this.selection.element);
     const stage = element("section", { class: "stage", "aria-label": "Picture of the run" }, this.picture, this.film.element);
     const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.packing.element, this.noCharts, this.charts.element);
@@ -155,6 +159,7 @@ export class Viewer {
     this.panel.showSource(source, this.run !== "" && isOwn);
     this.film.setGrowing(source.isGrowing);
     this.showColours();
+    this.showFields();
     this.beginCharts();
     void this.showPacking(isOwn);
     await this.playback.reset(source.description.steps.length, source.isGrowing);
@@ -225,12 +230,33 @@ export class Viewer {
 
   private draw(frame: SourceFrame, first: SourceFrame | undefined): void {
     const { agents, valueNames } = (this.source as FrameSource).description;
+    this.drawField(frame);
     this.drawing.show(toDrawn(frame), colouringOf(frame, this.chosenColour, this.range, first, valueNames));
     this.drawing.describe(`${frame.ids.length} ${agents} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
       "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.");
     this.film.show(frame, agents);
     this.selection.show(frame);
     this.showOverlay();
+  }
+
+  private drawField(frame: SourceFrame): void {
+    const field = frame.fields?.[this.field.value];
+    if (field === undefined) return this.drawing.setField();
+    this.fieldRange = rangeOfField(field, this.fieldRange);
+    this.drawing.setField(field, this.fieldRange);
+  }
+
+  /** The first field of a source is drawn until another is chosen. */
+  private showFields(): void {
+    const names = this.source?.description.fields ?? [];
+    this.fieldRow.hidden = names.length === 0;
+    setOptions(this.field, [...names.map((name) => ({ value: name, name: words(name) })), { value: "", name: "none" }], names[0] ?? "");
+    this.fieldRange = undefined;
+  }
+
+  private chooseField(): void {
+    this.fieldRange = undefined;
+    void this.showFrame(this.playback.index);
   }
 
   private showOverlay(): void {

@@ -137,6 +137,21 @@ describe("A trajectory of another program", () => {
     expect(Array.from(frame.columns["species"] as ArrayLike<number>)).toEqual([1, 2]);
   });
 
+  test("may have fields, of which those of several cells in all frames are shown", async () => {
+    write(place.of("fields.h5"), (file) => {
+      file.create_dataset({ name: "particles/all/position/value", ...positions });
+      file.create_group("fields");
+      for (const [name, shape] of [["grass", [2, 2, 3]], ["price", [2, 1, 1]], ["late", [1, 2, 3]]] as [string, number[]][]) {
+        file.create_group(`fields/${name}`);
+        const count = shape.reduce((product, size) => product * size, 1);
+        file.create_dataset({ name: `fields/${name}/value`, data: Float64Array.from({ length: count }, (_, at) => at), shape });
+      }
+    });
+    const file = opened(place.of("fields.h5"));
+    expect(file.description.fields).toEqual(["grass"]);
+    expect((await file.frame(1)).fields).toEqual({ grass: { rows: 2, columns: 3, values: Float64Array.from([6, 7, 8, 9, 10, 11]) } });
+  });
+
   test("may have its edges as vectors, and steps and times that begin anywhere", async () => {
     for (const [edges, shape] of [[[2, 0, 0, 3], [2, 2]], [[2, 0, 0, 0, 3, 0, 0, 0, 1], [3, 3]]] as const) {
       const path = place.of(`vectors_${shape[0]}.h5`);
