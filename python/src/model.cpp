@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "gridlock/model/detail/field_requests.hpp"
 #include "gridlock/simulation/register_model.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "model_engine.hpp"
@@ -117,23 +118,6 @@ class PythonModelKind final : public detail::AgentsKind {
     if (key == "model.verify_every") return "model.kind = \"" + definition_->name + "\"";
     return AgentsKind::unused_because_of(configuration, key);
   }
-  [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override {
-    std::vector<MemoryDemand> demands = AgentsKind::memory(configuration);
-    try {
-      nb::gil_scoped_acquire const acquired;
-      for (auto const& [field, rows, columns] : shapes_of_fields(make_model(), make_box(configuration.box))) {
-        // The field, its copy from before the step, and a temporary array of one calculation.
-        constexpr double copies = 3.0;
-        demands.push_back(
-            {"the field " + field + " of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells",
-             definition_->name, copies * 8.0 * static_cast<double>(rows) * static_cast<double>(columns),
-             "use fewer cells"});
-      }
-    } catch (Error const&) {             // NOLINT(bugprone-empty-catch): check() tells it
-    } catch (nb::python_error const&) {  // NOLINT(bugprone-empty-catch): and so does the start
-    }
-    return demands;
-  }
   void check(Configuration const& configuration) const override {
     Box const box = make_box(configuration.box);
     detail::blame_table(name(), [&] {
@@ -158,6 +142,18 @@ class PythonModelKind final : public detail::AgentsKind {
     // Each agent has its values, their copy from before the step, and temporary arrays of one calculation.
     return 3 * 8 * (2 + definition_->columns.size()) + 40;
   }
+  /// A field, two copies from before a step, and a temporary array of one calculation.
+  [[nodiscard]] double copies_of_fields() const override { return 4.0; }
+  [[nodiscard]] std::vector<FieldShape> shapes_of_fields(Box const& box) const override {
+    std::vector<FieldShape> shapes;
+    try {
+      nb::gil_scoped_acquire const acquired;
+      shapes = shapes_of_fields(make_model(), box);
+    } catch (Error const&) {             // NOLINT(bugprone-empty-catch): check() tells it
+    } catch (nb::python_error const&) {  // NOLINT(bugprone-empty-catch): and so does the start
+    }
+    return shapes;
+  }
   [[nodiscard]] double attempts_at_start(Box const& /*box*/, std::uint64_t /*seed*/) const override { return 0.0; }
   [[nodiscard]] std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings, ObserveSettings const& observed,
@@ -173,7 +169,7 @@ class PythonModelKind final : public detail::AgentsKind {
     detail::blame_table(name(), [&] {
       nb::gil_scoped_acquire const acquired;
       nb::object const object = make_model();
-      for (auto const& [name, rows, columns] : shapes_of_fields(object, box)) {
+      for (auto const& [name, columns, rows] : shapes_of_fields(object, box)) {
         world.fields.emplace_back(name, columns, rows);
       }
       {
@@ -183,7 +179,7 @@ class PythonModelKind final : public detail::AgentsKind {
       model.time_step = nb::cast<double>(call_python([&] { return object.attr("_checked_time_step")(); }));
       model.object = SharedObject(object);
       require_inside(world);
-      require_finite_fields(world);
+      for (Field const& field : world.fields) require_finite(field, 0);
     });
     if (world.agents.size() == 0 && world.fields.empty()) {
       notes.push_back("the start of the model " + definition_->name + " has no agents; start.add() adds them");
@@ -192,10 +188,13 @@ class PythonModelKind final : public detail::AgentsKind {
   }
 
  private:
-  using ShapeOfField = std::tuple<std::string, std::size_t, std::size_t>;
-  /// Returns the name, rows and columns of each field, in the order of the names. Contract: the GIL is held.
-  static std::vector<ShapeOfField> shapes_of_fields(nb::object const& model, Box const& box) {
-    return nb::cast<std::vector<ShapeOfField>>(call_python([&] { return model.attr("_fields")(box_values(box)); }));
+  /// Returns the fields in the order of their names. Contract: the GIL is held.
+  static std::vector<FieldShape> shapes_of_fields(nb::object const& model, Box const& box) {
+    using Shapes = std::vector<std::tuple<std::string, std::size_t, std::size_t>>;
+    nb::object const found = call_python([&] { return model.attr("_fields")(box_values(box)); });
+    std::vector<FieldShape> shapes;
+    for (auto const& [name, rows, columns] : nb::cast<Shapes>(found)) shapes.push_back({name, columns, rows});
+    return shapes;
   }
   static void describe_setting(SettingDefinition& setting, SettingVisitor& visitor) {
     SettingInfo const info{.key = setting.key,

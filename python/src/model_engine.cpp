@@ -34,21 +34,11 @@ void require_inside(World<TableModel> const& world) {
   if (row < x.size()) throw_outside(world.clock.step, world.agents.ids()[row], {x[row], y[row]}, world.box);
 }
 
-void require_finite_fields(World<TableModel> const& world) {
-  for (Field const& field : world.fields) {
-    std::size_t const cell = field.find_not_finite();
-    if (cell == field.size()) continue;
-    throw RunFailure("step " + std::to_string(world.clock.step) + ": the field " + field.name() + " has the value " +
-                     in_words(field.values()[cell]) + " in row " + std::to_string(cell / field.columns()) +
-                     ", column " + std::to_string(cell % field.columns()) +
-                     "\n  hint: this is a mistake of the model: its numbers overflow, or are none");
-  }
-}
-
 PythonModelEngine::PythonModelEngine(ModelInstance model) : model_(std::move(model)), thread_pool_(model_.threads) {}
 
 void PythonModelEngine::advance(World<TableModel>& world, Counters& /*counters*/, StopCondition const& stop_condition) {
   expect_changes();
+  before_.fields.forget(world.fields.size());
   while (!stop_condition.is_reached(world.clock, 0)) {
     step(world);
     ++world.clock.step;
@@ -112,9 +102,10 @@ bool PythonModelEngine::try_step(World<TableModel>& world) {
     model_.object.get().attr("_step")(shown.object());
     shown->close();
     if (shown->has_changed_positions()) require_inside(world);
-    if (shown->has_changed_fields()) require_finite_fields(world);
+    before_.fields.check(world.fields, world.clock.step);
     if (shown->has_changed_places_or_number()) expect_changes();
     apply(world, *shown.operator->());
+    before_.fields.accept();
   } catch (nb::python_error& error) {
     restore();
     if (error.matches(PyExc_KeyboardInterrupt)) return false;

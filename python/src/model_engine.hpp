@@ -56,8 +56,6 @@ class PythonModelEngine final : public EngineFor<TableModel> {
 
 /// Throws RunFailure if an agent is outside the box.
 void require_inside(World<TableModel> const& world);
-/// Throws RunFailure if a value of a field is infinite or no number.
-void require_finite_fields(World<TableModel> const& world);
 
 /// Observes the number of agents, the events, and the results of the method `_observe` of a model in Python.
 class PythonModelObservations final : public AveragingObservable {

@@ -266,15 +266,7 @@ Field& ModelWorld::find_field(std::string const& name) const {
 
 Field& ModelWorld::field_to_change(std::string const& name) {
   Field& field = find_field(name);
-  if (before_ != nullptr && std::ranges::find(fields_changed_, name) == fields_changed_.end()) {
-    auto const before = std::ranges::find(before_->fields, name, &Field::name);
-    if (before == before_->fields.end()) {
-      before_->fields.push_back(field);
-    } else {
-      std::ranges::copy(field.values(), before->values().begin());
-    }
-    fields_changed_.push_back(name);
-  }
+  if (before_ != nullptr) before_->fields.keep(world_.fields, static_cast<std::size_t>(&field - world_.fields.data()));
   return field;
 }
 
@@ -313,11 +305,7 @@ void ModelWorld::restore() {
         },
         present.values);
   }
-  for (std::string const& name : fields_changed_) {
-    auto const before = std::ranges::find(before_->fields, name, &Field::name);
-    auto const field = std::ranges::find(world_.fields, name, &Field::name);
-    std::ranges::copy(before->values(), field->values().begin());
-  }
+  before_->fields.restore(world_.fields);
 }
 
 Vector ModelWorld::place_of(std::size_t row) const { return {world_.agents.x()[row], world_.agents.y()[row]}; }

@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "column_lender.hpp"
+#include "field_copies.hpp"
 #include "gridlock/core/field.hpp"
 #include "gridlock/core/world.hpp"
 #include "kept_searches.hpp"
@@ -29,7 +30,7 @@ struct NewAgents {
 
 /// What a step has changed, as it was before. Room is kept for the next step.
 struct BeforeStep {
-  std::vector<Field> fields;
+  FieldCopies fields;
   std::vector<TableColumn> columns;
 };
 
@@ -105,7 +106,6 @@ class ModelWorld {
   [[nodiscard]] std::vector<Id> deaths() const;
   [[nodiscard]] std::vector<NewAgents> const& births() const { return births_; }
   [[nodiscard]] std::vector<std::uint64_t> const& events() const { return events_; }
-  [[nodiscard]] bool has_changed_fields() const { return !fields_changed_.empty(); }
   [[nodiscard]] bool has_changed_positions() const;
   [[nodiscard]] bool has_changed_places_or_number() const {
     return has_changed_positions() || !births_.empty() || !dead_rows_.empty();
@@ -121,7 +121,7 @@ class ModelWorld {
   void require_displacements(Displacements const& displacements, std::size_t first) const;
   [[nodiscard]] std::vector<std::uint32_t> order_of_turns(RowsFromTo rows, bool is_shuffled) const;
   [[nodiscard]] Field& find_field(std::string const& name) const;
-  /// Returns a field to be changed, and keeps a copy of what it was.
+  /// Returns a field to be changed, of which a step keeps a copy.
   Field& field_to_change(std::string const& name);
   [[nodiscard]] Vector place_of(std::size_t row) const;
   void require_one_for_each_agent(Amounts const& amounts) const;
@@ -140,8 +140,7 @@ class ModelWorld {
   std::vector<std::uint64_t> dead_rows_;
   std::vector<NewAgents> births_;
   BeforeStep* before_;                        ///< nullptr if nothing is to be restored
-  std::vector<std::string> fields_changed_;   ///< names of those that were to be changed, whose copies are up to date
-  std::vector<std::string> columns_changed_;  ///< the same of columns
+  std::vector<std::string> columns_changed_;  ///< names of those that were to be changed, whose copies are up to date
   std::vector<std::uint64_t> events_ = std::vector<std::uint64_t>(definition_.events.size());
 };
 

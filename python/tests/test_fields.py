@@ -184,6 +184,24 @@ def test_a_step_that_raises_leaves_fields_as_they_were():
     assert made.frame.fields["grass"].sum() == 2 * (8 + 3)
 
 
+def test_a_step_that_raises_restores_fields_that_only_some_steps_change():
+    def step(world):
+        if world.clock.step != 1:
+            world.grass += 1.0
+        if world.clock.step > 1:
+            world.wave[...] = 7.0
+        if world.clock.step == 3:
+            world.add(x=5.0, y=0.5)
+
+    made = simulation(step, fields={"grass": gridlock.Field((2, 4)), "wave": gridlock.Field(3)})
+    with pytest.raises(gridlock.RunFailure, match="step 3: .*newborn"):
+        made.run(steps=9)
+    assert made.clock.step == 3 and (made.frame.fields["grass"] == 2.0).all() and (made.frame.fields["wave"] == 7.0).all()
+    with pytest.raises(gridlock.RunFailure, match="step 3: .*newborn"):
+        made.run(steps=9)
+    assert (made.frame.fields["grass"] == 2.0).all()
+
+
 def test_arrays_that_are_kept_do_not_change_the_fields():
     kept = []
 

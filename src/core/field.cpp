@@ -3,14 +3,36 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/copy_if_finite.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/world.hpp"
 
 namespace gridlock {
+
+namespace {
+
+/// Returns a number whose last bit is set for infinities and NaN: their exponents are all ones.
+std::uint64_t mark_of_not_finite(double value) {
+  constexpr std::uint64_t exponent = 0x7FF0000000000000;
+  constexpr std::uint64_t one = 0x0010000000000000;
+  return (std::bit_cast<std::uint64_t>(value) & exponent) + one;
+}
+
+}  // namespace
+
+bool copy_if_finite(std::span<double const> from, std::span<double> to) {
+  std::uint64_t bits = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    to[k] = from[k];
+    bits |= mark_of_not_finite(from[k]);
+  }
+  return bits >> 63U == 0;
+}
 
 Field::Field(std::string name, std::size_t columns, std::size_t rows, double value)
     : name_(std::move(name)), columns_(columns), rows_(rows) {
@@ -31,10 +53,10 @@ std::size_t Field::cell_of(Box const& box, Vector point) const {
 }
 
 std::size_t Field::find_not_finite() const {
-  // This loop, unlike a search, takes registers, and nearly always all values are finite.
-  bool are_finite = true;
-  for (double const value : values_) are_finite &= value - value == 0.0;
-  if (are_finite) return size();
+  // Nearly always all values are finite, and this loop, unlike a search, takes registers.
+  std::uint64_t bits = 0;
+  for (double const value : values_) bits |= mark_of_not_finite(value);
+  if (bits >> 63U == 0) return size();
   auto const found = std::ranges::find_if(values_, [](double value) { return !std::isfinite(value); });
   return static_cast<std::size_t>(found - values_.begin());
 }

@@ -102,6 +102,11 @@ std::string AgentsKind::unused_because_of(Configuration const& configuration, st
 }
 
 std::optional<Problem> AgentsKind::not_shared(Configuration const& configuration) const {
+  if (!shapes_of_fields(make_box(configuration.box)).empty()) {
+    return Problem{.what = fmt::format("the model \"{}\", whose fields no process has in part,", name()),
+                   .hint = "use gridlock run with engine.threads, or gridlock-mpi sweep for many runs",
+                   .key = "model.kind"};
+  }
   if (!can_be_shared()) return ModelKind::not_shared(configuration);
   if (configuration.model.verify_every == 0) return {};
   return Problem{.what = "a run with model.verify_every, whose searches are compared with a look at all agents,",
@@ -109,10 +114,16 @@ std::optional<Problem> AgentsKind::not_shared(Configuration const& configuration
                  .key = "model.verify_every"};
 }
 
-std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
+std::vector<MemoryDemand> AgentsKind::memory(Configuration const& configuration) const {
   auto const agents = static_cast<double>(agents_at_start());
-  return {{fmt::format("{:.0f} agents", agents), fmt::format("{}.count", name()),
-           agents * static_cast<double>(bytes_per_agent()), "use fewer agents"}};
+  std::vector<MemoryDemand> demands{{fmt::format("{:.0f} agents", agents), fmt::format("{}.count", name()),
+                                     agents * static_cast<double>(bytes_per_agent()), "use fewer agents"}};
+  for (auto const& [field, columns, rows] : shapes_of_fields(make_box(configuration.box))) {
+    double const bytes = 8.0 * static_cast<double>(columns) * static_cast<double>(rows);
+    demands.push_back({fmt::format("the field {} of {} × {} cells", field, columns, rows), std::string(name()),
+                       copies_of_fields() * bytes, "use fewer cells"});
+  }
+  return demands;
 }
 
 double AgentsKind::expected_bytes(Configuration const& /*configuration*/, std::size_t agents) const {

@@ -102,7 +102,7 @@ class Observations {
 };
 
 /// Returns whether processes can divide the agents of a model, so that no process has all of them. The model must be
-/// synchronous or tiled, and read all agents only through AgentSums.
+/// synchronous or tiled, read all agents only through AgentSums, and have no fields.
 template <class Model>
 consteval bool can_be_divided() {
   constexpr bool observes_world = requires(Model const& model, World<Model> const& world, Observations& seen) {
@@ -110,7 +110,7 @@ consteval bool can_be_divided() {
   };
   constexpr bool notes_of_world = requires(Model const& model, World<Model> const& world) { model.notes(world); };
   constexpr bool fixes_cells = requires(Model const& model, AgentSums<Model> const& agents) { model.cells(agents); };
-  if (asks_world_in_every_step<Model>() || observes_world || notes_of_world) return false;
+  if (asks_world_in_every_step<Model>() || observes_world || notes_of_world || has_fields<Model>()) return false;
   return Model::schedule == Schedule::tiled || (Model::schedule == Schedule::synchronous && !fixes_cells);
 }
 
@@ -128,9 +128,11 @@ std::vector<std::string> notes_of(Model const& model, World<Model> const& world,
   }
 }
 
-/// Puts the first agents of a model into an empty world: one by one by Model::first_agent(), or by Model::start().
+/// Puts the fields and the first agents of a model into an empty world: agents one by one by Model::first_agent(), or
+/// by Model::start().
 template <class Model>
 void start_agents(Model const& model, World<Model>& world) {
+  start_fields(model, world);
   if constexpr (has_first_agents<Model>()) {
     for (std::uint64_t number = 0; number < model.agents_at_start(); ++number) {
       std::apply([&](auto... values) { world.agents.add(values...); }, model.first_agent(world, number));

@@ -41,6 +41,7 @@
 #include "gridlock/model/detail/cells_of_step.hpp"
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/detail/turns_in_tiles.hpp"
+#include "gridlock/model/fields.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
 
@@ -77,13 +78,17 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     Agents::Values first_agent(World<Model> const&, std::uint64_t number) const;   number 0 … agents_at_start() − 1
 ///     void turn(Turn<Model>&) const;                 synchronous, sequential, tiled: moves one agent in a step
 ///     void step(MutableWorld<Model>&) const;         events: changes the world in a step
+///     using Fields = FieldSet<Grass, …>;             grids of numbers over the box
+///     std::size_t columns(Grass) const;              cells of a field along x; rows(Grass) along y, else squares
+///     void start_fields(World<Model>&) const;        fills the fields, 0 at first, before there are agents
+///     void step_fields(FieldsOfStep<Model>&) const;  changes the fields at the end of each step
 ///     void observe(AgentSums<Model> const&, Observations&) const;
 ///     void describe(SettingVisitor&);                visits its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(AgentSums<Model> const&) const;   reasons why results of a start mislead
 ///
-/// The last five may be left out. A model may add `static constexpr std::array<std::string_view, n> events`, the names
+/// The last nine may be left out. A model may add `static constexpr std::array<std::string_view, n> events`, the names
 /// of the events it counts, and `static constexpr bool keeps_counters = true` if its turns update Turn::counters(),
 /// from which the run measures collision rates and pressures.
 ///
@@ -92,7 +97,8 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// agents depend on one another, `void start(World<Model>&) const` places all of them in place of first_agent();
 /// agents_at_start() then only serves to estimate the memory, and the root process makes all agents. observe() and
 /// notes() may take `World<Model> const&` for quantities that are no sums over agents. Several processes can divide the
-/// agents of a model only if none of cutoff(), time_step(), observe() and notes() takes the World.
+/// agents of a model only if none of cutoff(), time_step(), observe() and notes() takes the World, and if it has no
+/// fields.
 ///
 /// In a tiled model no agent searches or moves farther than the cutoff from the point where its turn began. A model
 /// with a few faster agents defines `bool is_local(Turn<Model> const&, double room) const`, where room is the shorter
@@ -137,6 +143,7 @@ class ModelEngine final : public EngineFor<Model> {
         MutableWorld<Model> open(world, grid_, cutoff_, is_verified(world));
         model_.step(open);
       }
+      step_fields(world);
       ++world.clock.step;
       world.clock.time += time_step_;
       if (stop_condition.stops_here()) break;
@@ -149,6 +156,7 @@ class ModelEngine final : public EngineFor<Model> {
   void require_valid(World<Model> const& world) const override {
     try {
       require_inside(world);
+      require_fields(model_, world);
     } catch (RunFailure const& failure) {
       throw Error(Problem{.what = failure.what()});
     }
@@ -173,7 +181,10 @@ class ModelEngine final : public EngineFor<Model> {
   /// Sorts rows and fills the grid so that both depend on the state alone, not on earlier steps.
   void prepare(World<Model>& world, bool knows_world) {
     // A start or a checkpoint may have agents outside the box. In a step, each birth and move is checked by itself.
-    if (!knows_world) require_inside(world);
+    if (!knows_world) {
+      require_inside(world);
+      require_fields(model_, world);
+    }
     if (!knows_world || asks_world_in_every_step<Model>()) {
       cutoff_ = cutoff_of(model_, world);
       time_step_ = gridlock::time_step_of(model_, world);
@@ -223,7 +234,9 @@ class ModelEngine final : public EngineFor<Model> {
                            model_.turn(turn);
                          });
     stood_still_ = nobody_moves(world);
+    ChangesOfFields<Model> const changes(world, commands_);
     world.agents.exchange(order_.next());
+    changes.apply(world);
     apply_commands<Model>(world, commands_);
   }
 
@@ -277,12 +290,32 @@ class ModelEngine final : public EngineFor<Model> {
       order_.undo(world.agents);
       std::rethrow_exception(turns_.failure());
     }
+    if constexpr (has_fields<Model>()) change_fields(world);
     if constexpr (keeps_counters<Model>()) {
       CountersOfStep of_step;
       for (std::uint32_t tile = 0; tile < tiles; ++tile) of_step.add(turns_.result_of(tile).counters);
       of_step.add_to(counters);
     }
     apply_commands<Model>(world, commands_);
+  }
+
+  /// Tiled: an overflow of a field leaves the world as it was before the step.
+  void change_fields(World<Model>& world) {
+    try {
+      ChangesOfFields<Model>(world, commands_).apply(world);
+    } catch (...) {
+      commands_.clear();
+      order_.undo(world.agents);
+      throw;
+    }
+  }
+
+  void step_fields([[maybe_unused]] World<Model>& world) {
+    if constexpr (requires(FieldsOfStep<Model> & fields) { model_.step_fields(fields); }) {
+      FieldsOfStep<Model> fields(world, time_step_, thread_pool_);
+      model_.step_fields(fields);
+      fields.require_finite();
+    }
   }
 
   void take_turns_of_tiles(World<Model>& world) {

@@ -17,6 +17,7 @@
 #include "gridlock/model/detail/motion.hpp"
 #include "gridlock/model/detail/verify.hpp"
 #include "gridlock/model/detail/world.hpp"
+#include "gridlock/model/fields.hpp"
 
 namespace gridlock {
 
@@ -25,7 +26,8 @@ namespace gridlock {
 /// Cost: O(1) for each change. Among a million agents at random positions a birth and a death take about 330 ns, mostly
 /// two waits for memory, or 90 ns by add_all() and remove_all().
 /// Errors: RunFailure, in every build, for an Id that is not alive, a birth or move to a point outside the box, a
-/// search beyond the model's cutoff, and an event that is not declared.
+/// search beyond the model's cutoff, an event that is not declared, a point of a field outside the box, an amount to
+/// take that is no number from 0 on, and a deposit that makes a value infinite or no number.
 ///
 /// ```cpp
 /// struct Pairs {
@@ -67,6 +69,27 @@ class MutableWorld {
     world_.agents.template column<Column>()[living_row_of(id)] = value;
   }
   [[nodiscard]] Vector position(Id id) const { return {get<X>(id), get<Y>(id)}; }
+
+  /// Return a field, and its value in the cell around a point; beyond a periodic edge a point stands for its image.
+  template <class Tag>
+  [[nodiscard]] Field const& field() const {
+    return field_of<Tag>(world_);
+  }
+  template <class Tag>
+  [[nodiscard]] double at(Vector p) const {
+    return field<Tag>().values()[cell_around(field<Tag>(), box(), p, clock().step)];
+  }
+  /// Adds an amount to the cell around a point.
+  template <class Tag>
+  void deposit(Vector p, double amount) {
+    deposit_now(field_of<Tag>(world_), cell_around(field<Tag>(), box(), p, clock().step), amount, clock().step);
+  }
+  /// Takes at most `amount` from the cell around a point, and returns what was there.
+  template <class Tag>
+  double take(Vector p, double amount) {
+    require_amount_to_take(field<Tag>(), amount, clock().step, {});
+    return take_now(field_of<Tag>(world_), cell_around(field<Tag>(), box(), p, clock().step), amount);
+  }
 
   /// Returns the random numbers for all events of this step.
   [[nodiscard]] RandomStream random() const { return {world_.seed, world_.clock.step, 0, Purpose::model_step}; }

@@ -112,7 +112,8 @@ struct Neighbourhood {
 ///
 /// In a synchronous model get() and all neighbours have the values before the step, while set() and moves write the
 /// values after the step. In a sequential or tiled model set() and moves take effect at once. Births and deaths always
-/// take effect at the end of the step, in an order that depends on the state alone.
+/// take effect at the end of the step, in an order that depends on the state alone. So do changes of fields, but in a
+/// sequential model at once.
 /// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff, a move of
 /// a local agent of a tiled model beyond the cells next to its own, and an event that is not declared.
 template <class Model>
@@ -139,6 +140,59 @@ class Turn {
   [[nodiscard]] typename Column::type get() const {
     return world().agents.template column<Column>()[row_];
   }
+  /// Return a field, and its value in the cell around a point or around position(): before the step in a synchronous or
+  /// tiled model, at present in a sequential one. Beyond a periodic edge a point stands for its image.
+  /// Errors: RunFailure for a point beyond a wall.
+  template <class Tag>
+  [[nodiscard]] Field const& field() const {
+    return field_of<Tag>(world());
+  }
+  template <class Tag>
+  [[nodiscard]] double at(Vector p) const {
+    return field<Tag>().values()[cell_around(field<Tag>(), box(), p, clock().step)];
+  }
+  template <class Tag>
+  [[nodiscard]] double at() const {
+    return at<Tag>(position());
+  }
+  /// Add an amount to the cell around a point or around position(): at the end of the step in a synchronous or tiled
+  /// model, at once in a sequential one. Errors: RunFailure for a value that is infinite or no number then.
+  template <class Tag>
+  void deposit(Vector p, double amount) {
+    std::size_t const cell = cell_around(field<Tag>(), box(), p, clock().step);
+    if constexpr (Model::schedule == Schedule::sequential) {
+      deposit_now(field_of<Tag>(around_.world), cell, amount, clock().step);
+    } else {
+      requests<Tag>().deposits.push_back({.cell = cell, .amount = amount});
+    }
+  }
+  template <class Tag>
+  void deposit(double amount) {
+    deposit<Tag>(position(), amount);
+  }
+  /// Takes at most `amount` from the cell around position(), and returns what was there.
+  /// Errors: RunFailure unless the amount is a number from 0 on.
+  template <class Tag>
+  double take(double amount) requires(Model::schedule == Schedule::sequential) {
+    require_amount_to_take(field<Tag>(), amount, clock().step, id());
+    std::size_t const cell = field<Tag>().cell_of(box(), position());
+    return take_now(field_of<Tag>(around_.world), cell, amount);
+  }
+  /// Takes at most `amount` from the cell around position() at the end of the step, before deposits, and adds what the
+  /// agent gets to its column `Into`. Where a cell has too little for all, agents take one after the other, in an order
+  /// that is drawn anew in each step. Errors: RunFailure unless the amount is a number from 0 on.
+  template <class Tag, class Into>
+  void take(double amount) requires(Model::schedule != Schedule::sequential) {
+    static_assert(std::is_same_v<typename Into::type, double>, "a column of double takes what an agent gets");
+    static_assert(!std::is_same_v<Into, X> && !std::is_same_v<Into, Y>, "what an agent gets does not move it");
+    require_amount_to_take(field<Tag>(), amount, clock().step, id());
+    requests<Tag>().takes.push_back({.cell = field<Tag>().cell_of(box(), position()),
+                                     .amount = amount,
+                                     .agent = id(),
+                                     .row = static_cast<std::uint32_t>(row_),
+                                     .column = static_cast<std::uint32_t>(Agents::template place_of<Into>)});
+  }
+
   template <class Column>
   void set(typename Column::type value) {
     static_assert(!std::is_same_v<Column, X> && !std::is_same_v<Column, Y>, "move_to() and move_by() set the place");
@@ -207,6 +261,10 @@ class Turn {
 
  private:
   [[nodiscard]] World<Model> const& world() const { return around_.world; }
+  template <class Tag>
+  [[nodiscard]] FieldRequests& requests() {
+    return around_.commands.fields[FieldsOf<Model>::template place_of<Tag>];
+  }
 
   template <class Column>
   void write(typename Column::type value) {

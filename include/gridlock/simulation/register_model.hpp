@@ -79,6 +79,10 @@ class AgentsKind : public ModelKind {
   /// agent.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
+  /// Returns the fields of the model in a box.
+  [[nodiscard]] virtual std::vector<FieldShape> shapes_of_fields(Box const& /*box*/) const { return {}; }
+  /// Returns the least memory of a field, in copies of its values.
+  [[nodiscard]] virtual double copies_of_fields() const { return 1.0; }
   /// Returns the number of random positions that the start will try, each about 0.15 µs; 0 if the model does not tell
   /// it.
   [[nodiscard]] virtual double attempts_at_start(Box const& box, std::uint64_t seed) const = 0;
@@ -136,6 +140,13 @@ class ModelKindOf final : public AgentsKind {
         Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled ? 3 : 1;
     return copies * sizeof(typename Model::Agents::Values) + 40;
   }
+  [[nodiscard]] std::vector<FieldShape> shapes_of_fields(Box const& box) const override {
+    if constexpr (has_fields<Model>()) {
+      return gridlock::shapes_of_fields(model_, box);
+    } else {
+      return {};
+    }
+  }
   [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const override {
     if constexpr (requires { model_.attempts_at_start(box, seed); }) {
       double attempts = 0.0;
@@ -172,6 +183,7 @@ class ModelKindOf final : public AgentsKind {
     blame([&] {
       start_agents(model_, world);
       ModelEngine<Model>::require_inside(world);
+      require_fields(model_, world);
     });
     return std::make_unique<ModelEngine<Model>>(model_, world.box, settings);
   }
