@@ -72,7 +72,7 @@ double sum_of(double value, std::span<Deposit const> deposits, std::span<std::ui
 
 }  // namespace
 
-std::vector<ChangedCell> settle(Field const& field, FieldRequests& requests, std::uint64_t seed, std::uint64_t step) {
+std::vector<ChangedCell> resolve(Field const& field, FieldRequests& requests, std::uint64_t seed, std::uint64_t step) {
   std::size_t const takes = requests.takes.size();
   std::vector<std::uint64_t> cells;
   cells.reserve(takes + requests.deposits.size());

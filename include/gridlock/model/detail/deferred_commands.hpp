@@ -54,7 +54,7 @@ void remove_agents(Agents& agents, std::span<Id const> ids) {
 template <class Model>
 class ChangesOfFields {
  public:
-  /// Settles the requests of all parts, see settle(), and removes them; the world stays. Errors: those of settle().
+  /// Resolves the requests of all parts, see resolve(), and removes them; the world stays. Errors: those of resolve().
   ChangesOfFields(World<Model> const& world, std::span<DeferredCommands<Model>> parts) {
     for (std::size_t k = 0; k < requests_.size(); ++k) {
       for (DeferredCommands<Model>& part : parts) {
@@ -63,7 +63,7 @@ class ChangesOfFields {
       }
     }
     for (std::size_t k = 0; k < requests_.size(); ++k) {
-      cells_[k] = settle(world.fields[k], requests_[k], world.seed, world.clock.step);
+      cells_[k] = resolve(world.fields[k], requests_[k], world.seed, world.clock.step);
     }
   }
   /// Gives the cells their new values, and the agents that took theirs. Contract: the rows are those of the turns.

@@ -22,7 +22,7 @@ struct Deposit {
 };
 struct Take {
   std::size_t cell = 0;
-  double amount = 0.0;  ///< asked for; after settle() the amount that the agent gets
+  double amount = 0.0;  ///< asked for; after resolve() the amount that the agent gets
   Id agent = 0;
   std::uint32_t row = 0;     ///< of the agent
   std::uint32_t column = 0;  ///< the column that gets the amount, its place among those of the agents
@@ -56,7 +56,7 @@ struct ChangedCell {
 /// that the bits depend on the requests of each agent alone, not on the order in which agents took their turns.
 /// Errors: RunFailure for a new value that is infinite or no number. Cost: about 100 ns a request.
 /// Contract: the requests of one agent have the order in which it made them.
-std::vector<ChangedCell> settle(Field const& field, FieldRequests& requests, std::uint64_t seed, std::uint64_t step);
+std::vector<ChangedCell> resolve(Field const& field, FieldRequests& requests, std::uint64_t seed, std::uint64_t step);
 
 /// Return the new value of a cell at once, and take at most what is there. Errors: RunFailure for a new value that is
 /// infinite or no number.
