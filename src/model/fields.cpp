@@ -82,7 +82,7 @@ std::vector<ChangedCell> resolve(Field const& field, FieldRequests& requests, st
   std::vector<std::uint32_t> const places = rows_in_order(cells);
   std::vector<ChangedCell> changes;
   for (std::size_t first = 0; first < places.size();) {
-    std::uint64_t const cell = cells[places[first]];
+    auto const cell = static_cast<std::size_t>(cells[places[first]]);
     std::size_t middle = first;
     while (middle < places.size() && cells[places[middle]] == cell && places[middle] < takes) ++middle;
     std::size_t end = middle;
