@@ -114,6 +114,11 @@ void print_trajectory(fs::path const& path) {
       fields.push_back(fmt::format("{} of {} × {} cells", field.name(), field.columns(), field.rows()));
     }
     if (!fields.empty()) fmt::print("  fields: {}\n", fmt::join(fields, ", "));
+    std::vector<std::string> networks;
+    for (gridlock::Network const& network : last.frame.networks) {
+      networks.push_back(fmt::format("{} of {} edges", network.name(), network.size()));
+    }
+    if (!networks.empty()) fmt::print("  networks: {}\n", fmt::join(networks, ", "));
     // Trajectories of other programs have no state hash.
     if (settings.creator == gridlock::H5mdSettings{}.creator)
       fmt::print("  last state_hash {:016x}\n", last.state_hash);

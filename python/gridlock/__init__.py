@@ -35,7 +35,8 @@ from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification,
 from .files import open as open
 from .glass import CollectiveScattering, StringLengths, VanHove, collective_scattering, string_lengths, van_hove
 from .models import Model, Setting, register_model
-from .neighbors import Neighbors, neighbors, pairs, pairs_of_disks
+from .neighbors import Neighbors, WeightedNeighbors, neighbors, pairs, pairs_of_disks
+from .networks import Edges, Network, WorldNetwork
 from .order import (
     Defects,
     OrderCorrelation,
@@ -55,15 +56,15 @@ from .world import Halts, Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
-    "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Error",
-    "Experiment", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "OrderCorrelation", "PairCorrelation",
-    "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "SobolDesign",
-    "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory", "Table", "Trajectory", "VanHove",
-    "Verification", "Voronoi", "World", "bond_orientation", "clusters", "collective_scattering", "combine", "contacts", "defects",
-    "density_profile", "diffusion_coefficient", "dynamics", "experiment", "explain", "mean_squared_displacement", "neighbors",
-    "order_correlation", "pair_correlation", "pair_correlation_map", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
-    "run_until", "separations", "shear_viscosity", "spectral_density", "string_lengths", "structure_factor", "structure_peak", "sweep",
-    "van_hove", "verify", "voronoi",
+    "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Edges",
+    "Error", "Experiment", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "Network", "OrderCorrelation",
+    "PairCorrelation", "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
+    "SobolDesign", "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory", "Table",
+    "Trajectory", "VanHove", "Verification", "Voronoi", "WeightedNeighbors", "World", "WorldNetwork", "bond_orientation", "clusters",
+    "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics", "experiment",
+    "explain", "mean_squared_displacement", "neighbors", "order_correlation", "pair_correlation", "pair_correlation_map", "pairs",
+    "pairs_of_disks", "read_xyz", "register_model", "run", "run_until", "separations", "shear_viscosity", "spectral_density",
+    "string_lengths", "structure_factor", "structure_peak", "sweep", "van_hove", "verify", "voronoi",
 ]
 
 

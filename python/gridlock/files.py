@@ -19,6 +19,7 @@ from . import _core, converters, formats
 from .arrays import MOST_STEPS, as_count, as_number
 from .box import Box, box_of
 from .errors import Error
+from .networks import Edges, graph_of_frame
 from .settings import as_threads
 from .simulation import Clock, Result, Results
 from .tables import structured
@@ -41,6 +42,7 @@ class Frame:
     columns: dict[str, NDArray[Any]]  #: by name, each of shape (N,)
     value_names: dict[str, list[str]] = dataclasses.field(default_factory=dict)  #: of the numbers 0, 1, 2 … of a column, by its name
     fields: dict[str, NDArray[np.float64]] = dataclasses.field(default_factory=dict)  #: of a model, by name, each of shape (rows, columns)
+    networks: dict[str, Edges] = dataclasses.field(default_factory=dict)  #: of a model, by name
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -144,6 +146,13 @@ class Frame:
         """An ``MDAnalysis.Universe`` of this frame; see :meth:`Trajectory.to_mdanalysis`."""
         return converters.to_mdanalysis([self], unwrapped=unwrapped)
 
+    def to_networkx(self, network: str) -> Any:
+        """A ``networkx.Graph`` or ``DiGraph`` of a network: nodes are Ids with all columns, edges have a weight.
+
+        :raises Error: where NetworkX is not installed, and for a network that the frame does not have.
+        """
+        return graph_of_frame(self, network)
+
     def to_gsd(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
         """Writes a GSD file of this frame; see :meth:`Trajectory.to_gsd`."""
         converters.to_gsd([self], path, overwrite=overwrite)
@@ -161,9 +170,9 @@ class FrameContacts(NamedTuple):
 
 
 def frame_of_values(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
-    ids, columns, box, step, time, *fields = values  # of files of other programs without fields
+    ids, columns, box, step, time, fields, networks = values
     names = {name: names for name, names in (value_names or {}).items() if name in columns}
-    return Frame(box_of(box), Clock(step, time), ids, columns, names, *fields)
+    return Frame(box_of(box), Clock(step, time), ids, columns, names, fields, {name: Edges(*edges) for name, edges in networks.items()})
 
 
 def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame:
@@ -387,8 +396,12 @@ class RunDirectory:
         """The last state."""
         names = self.summary.get("value_names", {}) if (self.path / "summary.json").exists() else {}
         frame = frame_of_values(_core.read_xyz(str(self.path / "final.xyz"), None), names)
-        fields = self.path / "final_fields.h5"
-        return dataclasses.replace(frame, fields=_core.read_fields(str(fields))) if fields.exists() else frame
+        fields, networks = self.path / "final_fields.h5", self.path / "final_networks.h5"
+        if fields.exists():
+            frame = dataclasses.replace(frame, fields=_core.read_fields(str(fields)))
+        if networks.exists():
+            frame = dataclasses.replace(frame, networks={name: Edges(*edges) for name, edges in _core.read_networks(str(networks)).items()})
+        return frame
 
     @property
     def diameter(self) -> float:

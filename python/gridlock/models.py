@@ -8,7 +8,7 @@ import math
 import os
 import threading
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from .box import Box, BoxValues, box_of
 from .errors import Error, RunFailure
 from .fields import Field
 from .kinds import ColumnOfModel, columns_of, require_kinds
+from .networks import Network
 from .world import Start, World
 
 if TYPE_CHECKING:
@@ -131,17 +132,19 @@ class Model:
     - ``kinds``: kinds of agents with columns of their own, ``{"wolf": {"energy": float}, "sheep": {"wool": float}}``.
     - ``events``: names of what :meth:`World.count` counts. ``value_names``: names of the numbers 0, 1, 2 … of a column.
     - ``fields``: numbers on a grid over the box, ``{"grass": gridlock.Field(100)}``; see :class:`gridlock.Field`.
+    - ``networks``: edges between the agents, ``{"friends": gridlock.Network()}``; see :class:`gridlock.Network`.
     - ``time_step``: the physical time of a step; a number, a setting, or a property.
     - :meth:`start`, :meth:`step`, :meth:`observe`, :meth:`check`: see there. In place of ``step``, ``turn`` is what one agent does, compiled
       by Numba; see :mod:`gridlock.turns`.
 
-    All that changes in a run belongs into columns and fields: checkpoints, trajectories and resumed runs know nothing else.
+    All that changes in a run belongs into columns, fields and networks: checkpoints, trajectories and resumed runs know nothing else.
     """
 
     name: ClassVar[str] = ""
     columns: ClassVar[Mapping[str, Any]] = {}
     kinds: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     fields: ClassVar[Mapping[str, Field]] = {}
+    networks: ClassVar[Mapping[str, Network]] = {}
     events: ClassVar[Sequence[str]] = ()
     value_names: ClassVar[Mapping[str, Sequence[str]]] = {}
     observations: ClassVar[Mapping[str, str]] = {}
@@ -158,7 +161,7 @@ class Model:
     def __setattr__(self, name: str, value: Any) -> None:
         raise Error(
             f"a model cannot keep {name!r} from one step to the next\n"
-            "  hint: keep what changes in columns of the agents or in fields, so that checkpoints have it, and what is fixed in settings"
+            "  hint: keep what changes in columns of the agents, in fields or in networks, so that checkpoints have it, and what is fixed in settings"
         )
 
     @property
@@ -206,6 +209,9 @@ class Model:
     def _fields(self, box: BoxValues) -> list[tuple[str, int, int]]:
         shapes = {name: field._shape(name, self, box_of(box)) for name, field in self.fields.items()}
         return [(name, *shapes[name]) for name in sorted(shapes, key=str.encode)]
+
+    def _networks(self) -> list[tuple[str, bool]]:
+        return [(name, self.networks[name].directed) for name in sorted(self.networks, key=str.encode)]
 
     def _start(self, core: ModelWorld) -> None:
         self.start(Start(core, self))
@@ -399,13 +405,8 @@ def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], 
             raise Error(f"the column {name} of {what} has the type {kind}\n  hint: use {', '.join(_column_types)}")
     require_kinds(model, columns, lambda name: name in model.fields or name in _names_of_world or hasattr(World, name) or hasattr(Start, name),
                   _types_of_columns)
-    for name, field in model.fields.items():
-        if not isinstance(field, Field):
-            raise Error(f"the field {name} of {what} is {in_short(field)}\n  hint: use gridlock.Field(columns)")
-        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
-            raise Error(f"{what} has a field {name!r}\n  hint: use letters, digits and _ for its name")
-        if name in (*columns, *_names_of_world, *_names_in_files) or hasattr(World, name) or hasattr(Start, name):
-            raise Error(f"{what} has a field {name!r}, the name of something else that a world has\n  hint: choose another name")
+    _require_named(what, "field", model.fields, Field, columns)
+    _require_named(what, "network", model.networks, Network, (*columns, *model.fields))
     names = [*columns, *model.events]
     is_taken = any(name in ("step", "time", "agents") for name in model.events)
     if is_taken or len(set(model.events)) < len(model.events) or not all(isinstance(name, str) and name.isidentifier() for name in names):
@@ -414,6 +415,17 @@ def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], 
         if name not in columns:
             raise Error(f"{what} names the values of a column {name!r} that it does not have\n  hint: it has {', '.join(columns) or 'none'}")
         _require_names(what, name, model.value_names[name])
+
+
+def _require_named(what: str, noun: str, things: Mapping[str, Any], kind: type, taken: Iterable[str]) -> None:
+    """Refuses fields or networks that a world cannot have under their names."""
+    for name, thing in things.items():
+        if not isinstance(thing, kind):
+            raise Error(f"the {noun} {name} of {what} is {in_short(thing)}\n  hint: use gridlock.{kind.__name__}({'columns' if kind is Field else ''})")
+        if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
+            raise Error(f"{what} has a {noun} {name!r}\n  hint: use letters, digits and _ for its name")
+        if name in (*taken, *_names_of_world, *_names_in_files) or hasattr(World, name) or hasattr(Start, name):
+            raise Error(f"{what} has a {noun} {name!r}, the name of something else that a world has\n  hint: choose another name")
 
 
 def _require_names(what: str, column: str, names: Sequence[str]) -> None:

@@ -84,6 +84,37 @@ class Neighbors(NamedTuple):
         """How many points a neighbour can be."""
         return len(self.indptr) - 1
 
+    def pick(self, random: ArrayLike) -> NDArray[np.int64]:
+        """One neighbour of each point, chosen by a number in [0, 1) for each, shape (N,); −1 for points without neighbours.
+
+        >>> neighbors([[0.1, 0.5], [0.3, 0.5], [0.5, 0.5]], 0.25, box=1.0).pick([0.5, 0.7, 0.0])
+        array([1, 2, 1])
+        """
+        count = len(self.indptr) - 1
+        numbers = as_numbers(random, "the random numbers", (count,), f"use one for each of the {count} points: world.uniform()")
+        if numbers.size and not 0 <= numbers.min() <= numbers.max() < 1:
+            raise Error("the random numbers are not all in [0, 1)\n  hint: world.uniform()")
+        counts = self.counts
+        picked = np.full(count, -1)
+        has_some = counts > 0
+        places = self.indptr[:-1].astype(np.int64) + (numbers * counts).astype(np.int64)
+        picked[has_some] = self.indices[places[has_some]]
+        return picked
+
+    def __or__(self, others: Neighbors) -> Neighbors:
+        """The neighbours in either of two lists of the same points, each once, in the order of their indices.
+
+        >>> near = neighbors([[0.1, 0.5], [0.3, 0.5], [0.7, 0.5]], 0.25, box=1.0)
+        >>> (near | neighbors([[0.1, 0.5], [0.3, 0.5], [0.7, 0.5]], 0.45, box=1.0)).of(0)
+        array([1, 2], dtype=uint32)
+        """
+        count = len(self.indptr) - 1
+        if len(others.indptr) - 1 != count:
+            raise Error(f"neighbours of {count} and of {len(others.indptr) - 1} points cannot be joined\n  hint: use lists of the same points")
+        both = np.union1d(self.owners * count + self.indices, others.owners * count + others.indices)
+        owners, indices = np.divmod(both, max(count, 1))
+        return Neighbors(np.searchsorted(owners, np.arange(count + 1)).astype(np.uint64), indices.astype(np.uint32))
+
 
 class NeighborsAmong(Neighbors):
     """The neighbours of N points among others, by the rows of the others: those of wolves among the sheep."""
@@ -93,6 +124,29 @@ class NeighborsAmong(Neighbors):
     @property
     def _points(self) -> int:
         return self._others
+
+
+class WeightedNeighbors(Neighbors):
+    """The neighbours of N agents on a network, with the weights of the edges to them."""
+
+    weights: NDArray[np.float64]  #: of the edge to each entry of ``indices``, shape (indptr[N],)
+
+    def __new__(cls, indptr: NDArray[np.uint64], indices: NDArray[np.uint32], weights: NDArray[np.float64]) -> WeightedNeighbors:
+        lists = super().__new__(cls, indptr, indices)
+        lists.weights = weights
+        return lists
+
+    def __getnewargs__(self) -> Any:
+        return (*self, self.weights)
+
+    def weighted_sum(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Σ of weight times value over each agent's neighbours, in the order of the lists, shape (N,)."""
+        count = len(self.indptr) - 1
+        hint = f"use one number for each of the {count} agents"
+        is_mask = isinstance(values, np.ndarray) and values.dtype == np.bool_
+        numbers = as_numbers(np.asarray(values, dtype=np.float64) if is_mask else values, "the values", (count,), hint, finite=False)
+        sums = np.bincount(self.owners, self.weights * numbers[self.indices], minlength=count)
+        return sums.astype(np.float64)  # NumPy gives whole numbers where there are no edges
 
 
 def as_points(points: ArrayLike) -> NDArray[np.float64]:

@@ -1,6 +1,7 @@
 """Models told agent by agent: what one agent does in a step, compiled by Numba where it is installed.
 
-In place of ``step`` a model has a static method ``turn``, the ``cutoff`` of its neighbours, and, if it likes, ``random_numbers``, how many
+In place of ``step`` a model has a static method ``turn``, the ``cutoff`` of its neighbours or a method ``neighbors(world)`` that returns
+their lists, such as those on a network, and, if it likes, ``random_numbers``, how many
 uniform numbers each turn gets, and ``finish(world, bounces)``, which is called when all turns are over: for births, and for velocities
 that walls turn back. ``awake(world)`` returns a mask of the agents that have a turn; the others stay as they are, and draw no random numbers.
 All agents act at the same time, upon the world as it was before the step::
@@ -49,6 +50,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import Error
+from .neighbors import Neighbors, as_neighbors
 
 if TYPE_CHECKING:
     from .models import Model
@@ -64,8 +66,8 @@ def require_turn(model: type[Model]) -> None:
     turn = inspect.getattr_static(model, "turn")
     if not isinstance(turn, staticmethod) or tuple(inspect.signature(turn.__func__).parameters) != parameters:
         raise Error(f"turn of {what} is no function of a turn\n  hint: @staticmethod def turn({', '.join(parameters)})")
-    if not hasattr(model, "cutoff"):
-        raise Error(f"{what} has no cutoff\n  hint: say how far its agents look, by a number, a setting or a property")
+    if not hasattr(model, "cutoff") and not hasattr(model, "neighbors"):
+        raise Error(f"{what} has no cutoff\n  hint: say how far its agents look, by a number, a setting or a property; or define neighbors(self, world)")
     for name in reserved_columns:
         if name in model.columns:
             raise Error(f"{what} has a column {name}, a name of turns\n  hint: choose another name")
@@ -77,7 +79,7 @@ def take_turns(model: Model, world: World) -> None:
     """One step: a turn for every row."""
     kind: Any = type(model)
     names = ("x", "y", *(["kind"] if model.kinds else []), *model.columns)
-    found = world.neighbors(model.cutoff)  # type: ignore[attr-defined]
+    found = _neighbors_of(model, world)
     room = np.zeros((int(found.counts.max(initial=0)), 2))
     now = _named(kind, "Now", names)(*(world[name].copy() for name in names))
     dead = np.zeros(len(world), dtype=np.bool_)
@@ -102,6 +104,12 @@ def take_turns(model: Model, world: World) -> None:
     bounces = world.move(moves)
     if hasattr(model, "finish"):
         model.finish(world, bounces)
+
+
+def _neighbors_of(model: Any, world: World) -> Neighbors:
+    if not hasattr(model, "neighbors"):
+        return world.neighbors(model.cutoff)
+    return as_neighbors(model.neighbors(world), len(world))
 
 
 @functools.lru_cache(maxsize=None)

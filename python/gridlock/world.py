@@ -15,6 +15,7 @@ from .errors import Error
 from .fields import FieldsOfWorld
 from .kinds import COLUMN, number_of, own_columns_of
 from .neighbors import Neighbors, NeighborsAmong, as_cutoff, as_radii, pairs_of_disks
+from .networks import WorldNetwork
 from .simulation import Clock
 
 if TYPE_CHECKING:
@@ -41,6 +42,17 @@ class _SeenByModel:
         except RuntimeError:
             return f"{what}: its step is over>"
 
+    def _network(self, name: str) -> WorldNetwork:
+        return WorldNetwork(self, name)  # type: ignore[arg-type]
+
+    def _born(self, columns: Mapping[str, ArrayLike]) -> NDArray[np.int64]:
+        first = self._core.rows_with_newborn()
+        self._core.add(self._kind or 0, _new_agents(self._model, self._kind, columns))
+        return np.arange(first, self._core.rows_with_newborn())
+
+    def _require_writable(self, what: str) -> None:
+        """Refuses changes where nothing may be changed."""
+
     @property
     def box(self) -> Box:
         return box_of(self._core.box())
@@ -51,10 +63,10 @@ class _SeenByModel:
 
 
 class Start(_SeenByModel):
-    """What a model fills in its ``start``: a box without agents, and fields of zeros.
+    """What a model fills in its ``start``: a box without agents, fields of zeros, and networks without edges.
 
-    ``start.grass`` is the field grass, an array of shape (rows, columns). Of a model with kinds ``start.sheep`` is the start of the sheep:
-    its :meth:`add` adds sheep, and its random numbers are those of the sheep.
+    ``start.grass`` is the field grass, an array of shape (rows, columns); ``start.friends`` the network friends, a :class:`WorldNetwork`. Of a
+    model with kinds ``start.sheep`` is the start of the sheep: its :meth:`add` adds sheep, and its random numbers are those of the sheep.
     """
 
     def __init__(self, core: ModelWorld, model: Model, kind: int | None = None) -> None:
@@ -65,13 +77,17 @@ class Start(_SeenByModel):
     def __getattr__(self, name: str) -> Any:
         if name in self._model.kinds and self._kind is None:
             return Start(self._core, self._model, number_of(self._model, name))
+        if not name.startswith("_") and name in self._model.networks and self._kind is None:
+            return self._network(name)
         if name.startswith("_") or name not in self._model.fields:
-            raise AttributeError(f"the start has no field {name!r}; it has {', '.join(self._model.fields) or 'none'}")
+            raise AttributeError(f"the start has no field {name!r}; it has {', '.join([*self._model.fields, *self._model.networks]) or 'none'}")
         return self._core.field(name)
 
     def __setattr__(self, name: str, values: Any) -> None:
         if name.startswith("_"):
             object.__setattr__(self, name, values)
+        elif name in self._model.networks:
+            raise _no_value(name)
         else:
             _put_into(getattr(self, name), name, values)
 
@@ -119,9 +135,14 @@ class Start(_SeenByModel):
         """The numbers of new agents; those of two kinds are never the same."""
         return np.arange(_whole("count", count), dtype=np.uint64) + np.uint64((self._kind or 0) << 32)
 
-    def add(self, **columns: ArrayLike) -> None:
-        """Adds agents: a number or an array for x, y (or ``positions``) and every other column; columns left out are 0."""
-        self._core.add(self._kind or 0, _new_agents(self._model, self._kind, columns))
+    def add(self, **columns: ArrayLike) -> NDArray[np.int64]:
+        """Adds agents: a number or an array for x, y (or ``positions``) and every other column; columns left out are 0.
+
+        Returns their rows among all agents, until agents of a kind before theirs are added.
+        """
+        born = self._born(columns)
+        # A start has them at once, behind the others of their kind.
+        return born - sum(self._core.counts()[(self._kind or 0) + 1 :])
 
 
 class Halts(NamedTuple):
@@ -144,7 +165,7 @@ class World(_SeenByModel, FieldsOfWorld):
     ``world.grass`` of a model with a field grass is that field, an array of shape (rows, columns): row 0 is at the bottom of the box.
 
     ``world.sheep`` of a model with a kind sheep is the world of the sheep alone: its arrays have a row for each sheep, and its methods
-    move, find, add and remove sheep.
+    move, find, add and remove sheep. ``world.friends`` of a model with a network friends is a :class:`WorldNetwork`.
     """
 
     _arrays: dict[str, NDArray[Any]]
@@ -191,11 +212,15 @@ class World(_SeenByModel, FieldsOfWorld):
             if name not in self._parts:
                 self._parts[name] = World(self._core, self._model, is_read_only=self._is_read_only, kind=number_of(self._model, name))
             return self._parts[name]
+        if not name.startswith("_") and name in self._model.networks and self._kind is None:
+            return self._network(name)
         if name.startswith("_") or not self._has(name):
             raise self._no_column(name)
         return self[name]
 
     def __setattr__(self, name: str, values: Any) -> None:
+        if name in self._model.networks:
+            raise _no_value(name)
         if name != "positions" and not self._has(name):
             raise self._no_column(name)
         self._require_writable(f"change {name}")
@@ -300,10 +325,27 @@ class World(_SeenByModel, FieldsOfWorld):
                         "  hint: use more parts, or shorter displacements")
         return radii
 
-    def add(self, **columns: ArrayLike) -> None:
-        """Births: a number or an array for x, y (or ``positions``) and every other column. The newborn are there after the step."""
+    def rows_of(self, ids: ArrayLike) -> NDArray[np.int64]:
+        """The rows of the agents with these Ids, shape (len(ids),).
+
+        :raises Error: for an agent that does not live.
+        """
+        array = as_array(ids, "the Ids are", "use whole numbers", integers=True)
+        order = np.argsort(self.ids)
+        places = np.searchsorted(self.ids, array, sorter=order)
+        rows: NDArray[np.int64] = order[np.minimum(places, len(order) - 1)] if len(order) else np.zeros(array.shape, dtype=np.int64)
+        missing = array[self.ids[rows] != array] if len(order) else array
+        if missing.size:
+            raise Error(f"no agent with the Id {missing.flat[0]} lives\n  hint: ids has those of all rows")
+        return rows
+
+    def add(self, **columns: ArrayLike) -> NDArray[np.int64]:
+        """Births: a number or an array for x, y (or ``positions``) and every other column. The newborn are there after the step.
+
+        Returns the rows that ``connect`` of a network takes for them in this step.
+        """
         self._require_writable("add agents")
-        self._core.add(self._kind or 0, _new_agents(self._model, self._kind, columns))
+        return self._born(columns)
 
     def remove(self, rows: ArrayLike) -> None:
         """Deaths, by a mask of shape (N,) or by rows. The dead are gone after the step."""
@@ -365,7 +407,8 @@ class World(_SeenByModel, FieldsOfWorld):
         return name in self._columns() or name in self._model.fields
 
     def _no_column(self, name: str) -> AttributeError:
-        there = [*self._columns(), *self._model.fields, *([] if self._kind is not None else self._model.kinds)]
+        networks = [] if self._kind is not None else [*self._model.networks, *self._model.kinds]
+        there = [*self._columns(), *self._model.fields, *networks]
         return AttributeError(f"there is no column {name!r}; there are {', '.join(there)}")
 
     def _require_writable(self, what: str) -> None:
@@ -385,6 +428,10 @@ class World(_SeenByModel, FieldsOfWorld):
         self._arrays.clear()
         for part in self._parts.values():
             part._close()
+
+
+def _no_value(network: str) -> Error:
+    return Error(f"{network} is a network, which takes no values\n  hint: {network}.connect(i, j), {network}.weights = …")
 
 
 def _put_into(array: NDArray[Any], name: str, values: ArrayLike) -> None:

@@ -59,6 +59,9 @@ class AgentTable {
 
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   [[nodiscard]] std::span<Id const> ids() const { return places_.ids(); }
+  [[nodiscard]] bool contains(Id id) const { return places_.contains(id); }
+  /// Returns the row of an agent. Contract: it lives.
+  [[nodiscard]] std::size_t index_of(Id id) const { return places_.index_of(id); }
   [[nodiscard]] std::span<double> x() { return places_.column<X>(); }
   [[nodiscard]] std::span<double> y() { return places_.column<Y>(); }
   [[nodiscard]] std::span<double const> x() const { return places_.column<X>(); }

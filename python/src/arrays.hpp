@@ -30,8 +30,9 @@ using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::dev
 /// Width, height, whether the box is periodic along x and along y, and the shift of its images above.
 using BoxValues = std::tuple<double, double, bool, bool, double>;
 
-/// Ids, columns, box, step, time and fields of a frame.
-using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double, NamedValues>;
+/// Ids, columns, box, step, time, fields and networks of a frame.
+using FrameValuesOfPython =
+    std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double, NamedValues, NamedValues>;
 FrameValuesOfPython values_of_frame(Frame frame);
 
 inline PointsInMemory view_of(Points const& points) {

@@ -31,6 +31,7 @@
 #include "io/field_file.hpp"
 #include "io/file.hpp"
 #include "io/file_format.hpp"
+#include "io/network_file.hpp"
 #include "listener.hpp"
 #include "settings.hpp"
 #include "workspace/result_files.hpp"
@@ -50,6 +51,23 @@ NamedValues values_of_fields(std::vector<Field> const& fields) {
   return values;
 }
 
+/// Returns the Ids at both ends of each edge, shape (edges, 2), the weights, and whether it is directed, for each
+/// network.
+NamedValues values_of_networks(std::vector<Network> const& networks) {
+  NamedValues values;
+  for (Network const& network : networks) {
+    std::vector<Id> ids;
+    std::vector<double> weights;
+    for (NetworkEdge const& edge : network.edges()) {
+      ids.insert(ids.end(), {edge.from, edge.to});
+      weights.push_back(edge.weight);
+    }
+    values[network.name().c_str()] = nb::make_tuple(owned_array(std::move(ids), {network.size(), 2}),
+                                                    owned_array(std::move(weights)), network.is_directed());
+  }
+  return values;
+}
+
 }  // namespace
 
 FrameValuesOfPython values_of_frame(Frame frame) {
@@ -63,7 +81,8 @@ FrameValuesOfPython values_of_frame(Frame frame) {
           box_values(frame.box),
           frame.clock.step,
           frame.clock.time,
-          values_of_fields(frame.fields)};
+          values_of_fields(frame.fields),
+          values_of_networks(frame.networks)};
 }
 
 namespace {
@@ -331,6 +350,9 @@ void bind_files(nb::module_& module) {
       "read_csv", [](std::string const& path) { return columns_of(read_csv(path)); }, nb::arg("path"));
   module.def(
       "read_fields", [](std::string const& path) { return values_of_fields(read_fields(path)); }, nb::arg("path"));
+  module.def(
+      "read_networks", [](std::string const& path) { return values_of_networks(read_networks(path)); },
+      nb::arg("path"));
   module.def("read_xyz", &read_xyz_frame, nb::arg("path"), nb::arg("frame").none());
   module.def(
       "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));

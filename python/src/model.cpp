@@ -172,6 +172,10 @@ class PythonModelKind final : public detail::AgentsKind {
       for (auto const& [name, columns, rows] : shapes_of_fields(object, box)) {
         world.fields.emplace_back(name, columns, rows);
       }
+      using NameAndDirection = std::pair<std::string, bool>;
+      for (auto& [name, is_directed] : nb::cast<std::vector<NameAndDirection>>(object.attr("_networks")())) {
+        world.networks.emplace_back(std::move(name), is_directed);
+      }
       {
         ShownWorld const start(world, *definition_, settings.threads, *model.searches, ModelWorld::Phase::start);
         call_python([&] { return object.attr("_start")(start.object()); });
@@ -181,7 +185,7 @@ class PythonModelKind final : public detail::AgentsKind {
       require_inside(world);
       for (Field const& field : world.fields) require_finite(field, 0);
     });
-    if (world.agents.size() == 0 && world.fields.empty()) {
+    if (world.agents.size() == 0 && (world.fields.empty() || !world.networks.empty())) {
       notes.push_back("the start of the model " + definition_->name + " has no agents; start.add() adds them");
     }
     return std::make_unique<PythonModelSimulation>(model, std::move(world), observed);

@@ -4,8 +4,10 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -50,6 +52,7 @@ void PythonModelEngine::advance(World<TableModel>& world, Counters& /*counters*/
 void PythonModelEngine::require_valid(World<TableModel> const& world) const {
   try {
     require_inside(world);
+    require_living_ends(world);
   } catch (RunFailure const& failure) {
     throw Error(Problem{.what = failure.what()});
   }
@@ -124,8 +127,22 @@ void PythonModelEngine::apply(World<TableModel>& world, ModelWorld const& asked)
       throw_birth_outside(world.clock.step, {}, {born.x[outside], born.y[outside]}, world.box);
     }
   }
-  world.agents.remove(asked.deaths());
+  std::vector<Id> const deaths = asked.deaths();
+  std::vector<Id> ids;  // of the agents before the step, and of newborn ones
+  if (!asked.edges_of_newborn().empty()) ids.assign(world.agents.ids().begin(), world.agents.ids().end());
+  Id const last_id = ids.empty() ? 0 : std::ranges::max(ids);
+  bool const had_agents = !ids.empty();
+  world.agents.remove(deaths);
   for (NewAgents const& born : asked.births()) world.agents.add(born.kind, born.x, born.y, born.others);
+  for (Network& network : world.networks) network.remove_agents(deaths);
+  if (!asked.edges_of_newborn().empty()) {
+    // Ids grow, so the newborn have the largest ones, in the order in which they were added.
+    auto const first = static_cast<std::ptrdiff_t>(ids.size());
+    std::ranges::copy_if(world.agents.ids(), std::back_inserter(ids),
+                         [&](Id id) { return !had_agents || id > last_id; });
+    std::sort(ids.begin() + first, ids.end());
+    connect_newborn(world, asked.edges_of_newborn(), ids);
+  }
   for (std::size_t k = 0; k < asked.events().size(); ++k) (*model_.events)[k] += asked.events()[k];
 }
 

@@ -211,6 +211,7 @@ void ModelWorld::add(std::size_t kind, nb::typed<nb::list, nb::object> const& co
         definition_.columns[k].values);
   }
   if (phase_ == Phase::start) {
+    kept_.expect_changes();
     world_.agents.add(kind, born.x, born.y, born.others);
   } else {
     births_.push_back(std::move(born));
@@ -306,6 +307,9 @@ void ModelWorld::restore() {
         present.values);
   }
   before_->fields.restore(world_.fields);
+  for (Network const& before : networks_before_) {
+    *std::ranges::find(world_.networks, before.name(), &Network::name) = before;
+  }
 }
 
 Vector ModelWorld::place_of(std::size_t row) const { return {world_.agents.x()[row], world_.agents.y()[row]}; }
@@ -396,6 +400,15 @@ void ModelWorld::spread(std::string const& name, double diffusion, double decay,
 
 void bind_model_world(nb::module_& module) {
   nb::class_<ModelWorld>(module, "ModelWorld")
+      .def("network_edges", &ModelWorld::network_edges, nb::arg("name"))
+      .def("network_lists", &ModelWorld::network_lists, nb::arg("name"), nb::arg("incoming"))
+      .def("connect", &ModelWorld::connect, nb::arg("name"), nb::arg("rows"), nb::arg("weights"))
+      .def("disconnect", &ModelWorld::disconnect, nb::arg("name"), nb::arg("rows"))
+      .def("set_weights", &ModelWorld::set_weights, nb::arg("name"), nb::arg("weights"))
+      .def("has_edges", &ModelWorld::has_edges, nb::arg("name"), nb::arg("rows"))
+      .def("random_pairs", &ModelWorld::random_pairs, nb::arg("name"), nb::arg("kind"), nb::arg("first"),
+           nb::arg("second"), nb::arg("purpose"))
+      .def("rows_with_newborn", &ModelWorld::rows_with_newborn)
       .def("box", &ModelWorld::box)
       .def("clock", &ModelWorld::clock)
       .def("seed", &ModelWorld::seed)

@@ -14,6 +14,7 @@
 #include "column_lender.hpp"
 #include "field_copies.hpp"
 #include "gridlock/core/field.hpp"
+#include "gridlock/core/network.hpp"
 #include "gridlock/core/world.hpp"
 #include "kept_searches.hpp"
 #include "model.hpp"
@@ -76,6 +77,26 @@ class ModelWorld {
   /// Returns `each` random numbers for each of some rows, of shape (rows, each); in the start for new agents with these
   /// numbers.
   nb::object numbers(RowNumbers const& rows, std::size_t each, std::uint64_t purpose, bool is_normal) const;
+  /// Rows at both ends of each edge. Rows beyond those of the agents are newborn ones, in the order of add().
+  using Rows = nb::ndarray<std::uint64_t const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+  /// Returns the rows at both ends of each edge of a network, shape (edges, 2), and the weights.
+  nb::object network_edges(std::string const& name) const;
+  /// Returns the neighbours of all agents on a network as lists, and the weights of their edges: in a directed network
+  /// those that edges of the agent lead to, or those that they come from.
+  nb::object network_lists(std::string const& name, bool incoming) const;
+  /// Adds edges. Those of newborn agents are there after the step.
+  void connect(std::string const& name, Rows const& rows, Amounts const& weights);
+  void disconnect(std::string const& name, Rows const& rows);
+  void set_weights(std::string const& name, Amounts const& weights);
+  /// Returns a flag for each pair of rows, 1 where there is an edge.
+  nb::object has_edges(std::string const& name, Rows const& rows) const;
+  /// Returns the rows of a graph that is drawn at random: "probability", "edges", "small world" or "scale free", with
+  /// its numbers.
+  nb::object random_pairs(std::string const& name, std::string const& kind, double first, double second,
+                          std::uint64_t purpose) const;
+
+  /// Returns `each` random numbers for each agent, or for each of `count` new agents, of shape (agents, each).
+  nb::object numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose, bool is_normal) const;
   /// Returns random numbers for the whole model in this step.
   nb::object numbers_of_step(std::size_t count) const;
 
@@ -110,8 +131,12 @@ class ModelWorld {
   [[nodiscard]] bool has_changed_places_or_number() const {
     return has_changed_positions() || !births_.empty() || !dead_rows_.empty();
   }
-  /// Puts columns and fields back that this step has changed. Contract: there was room for them.
+  /// Puts columns, fields and networks back that this step has changed. Contract: there was room for them.
   void restore();
+  /// Returns how many rows there are with those of newborn agents, which follow the others.
+  [[nodiscard]] std::uint64_t rows_with_newborn() const;
+  /// Returns, for each network, edges between rows with newborn agents.
+  [[nodiscard]] std::vector<Network> const& edges_of_newborn() const { return edges_of_newborn_; }
 
  private:
   void require_open() const;
@@ -123,6 +148,12 @@ class ModelWorld {
   [[nodiscard]] Field& find_field(std::string const& name) const;
   /// Returns a field to be changed, of which a step keeps a copy.
   Field& field_to_change(std::string const& name);
+  [[nodiscard]] Network& find_network(std::string const& name) const;
+  /// Returns a network to be changed, and keeps a copy of what it was.
+  Network& network_to_change(std::string const& name);
+  /// Returns edges between living agents. Errors: Error for a row without an agent.
+  [[nodiscard]] std::vector<NetworkEdge> edges_of(Rows const& rows, Amounts const* weights) const;
+  [[nodiscard]] Network edges_of_newborn(std::string const& name) const;
   [[nodiscard]] Vector place_of(std::size_t row) const;
   void require_one_for_each_agent(Amounts const& amounts) const;
   /// Returns the result of a search among the agents, made without holding the GIL if it is not known.
@@ -141,8 +172,15 @@ class ModelWorld {
   std::vector<NewAgents> births_;
   BeforeStep* before_;                        ///< nullptr if nothing is to be restored
   std::vector<std::string> columns_changed_;  ///< names of those that were to be changed, whose copies are up to date
+  std::vector<Network> networks_before_;      ///< those that were to be changed, as they were
+  std::vector<Network> edges_of_newborn_;     ///< edges between rows, in place of Ids, with newborn agents
   std::vector<std::uint64_t> events_ = std::vector<std::uint64_t>(definition_.events.size());
 };
+
+/// Connects newborn agents: `edges` join rows, whose agents have these Ids now. Edges of the dead are left out.
+void connect_newborn(World<TableModel>& world, std::vector<Network> const& edges, std::span<Id const> ids);
+/// Throws Error for an edge to an agent that does not live.
+void require_living_ends(World<TableModel> const& world);
 
 /// Shows a world to a method of a model until the end of the scope. Python may keep the object, but can no longer use
 /// it.

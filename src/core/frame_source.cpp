@@ -15,8 +15,8 @@ namespace {
 /// A source of the rows of a view, in the order of their Ids.
 class AgentsSource final : public FrameSource {
  public:
-  AgentsSource(Frame head, AgentsView const& agents, std::span<Field const> fields)
-      : FrameSource(std::move(head), agents.size(), fields), agents_(agents) {
+  AgentsSource(Frame head, AgentsView const& agents, std::span<Field const> fields, std::span<Network const> networks)
+      : FrameSource(std::move(head), agents.size(), fields, networks), agents_(agents) {
     if (!std::ranges::is_sorted(agents.ids())) rows_ = rows_in_order(agents.ids());
   }
 
@@ -48,7 +48,7 @@ class AgentsSource final : public FrameSource {
 class SomeColumns final : public FrameSource {
  public:
   SomeColumns(Frame head, FrameSource const& all, std::vector<std::size_t> places)
-      : FrameSource(std::move(head), all.size(), all.fields()), all_(all), places_(std::move(places)) {}
+      : FrameSource(std::move(head), all.size(), all.fields(), all.networks()), all_(all), places_(std::move(places)) {}
 
   [[nodiscard]] std::vector<Id> ids(std::size_t first, std::size_t count) const override {
     return all_.ids(first, count);
@@ -86,11 +86,13 @@ Frame FrameSource::piece(std::size_t first, std::size_t count) const {
 Frame FrameSource::whole() const {
   Frame whole = piece(0, size());
   whole.fields.assign(fields().begin(), fields().end());
+  whole.networks.assign(networks().begin(), networks().end());
   return whole;
 }
 
 std::unique_ptr<FrameSource> frame_source_of(Box const& box, Clock const& clock, std::uint64_t seed,
-                                             AgentsView const& agents, std::span<Field const> fields) {
+                                             AgentsView const& agents, std::span<Field const> fields,
+                                             std::span<Network const> networks) {
   Frame head{.box = box, .clock = clock, .seed = seed, .ids = {}, .columns = {}};
   for (auto const& [name, values] : agents.columns()) {
     std::visit(
@@ -99,7 +101,7 @@ std::unique_ptr<FrameSource> frame_source_of(Box const& box, Clock const& clock,
         },
         values);
   }
-  return std::make_unique<AgentsSource>(std::move(head), agents, fields);
+  return std::make_unique<AgentsSource>(std::move(head), agents, fields, networks);
 }
 
 std::unique_ptr<FrameSource> frame_source_of(Frame const& frame) {
@@ -107,7 +109,8 @@ std::unique_ptr<FrameSource> frame_source_of(Frame const& frame) {
   for (FrameColumn const& column : frame.columns) {
     std::visit([&](auto const& values) { columns.emplace_back(column.name, std::span(values)); }, column.values);
   }
-  return frame_source_of(frame.box, frame.clock, frame.seed, AgentsView(frame.ids, std::move(columns)), frame.fields);
+  return frame_source_of(frame.box, frame.clock, frame.seed, AgentsView(frame.ids, std::move(columns)), frame.fields,
+                         frame.networks);
 }
 
 std::unique_ptr<FrameSource> with_columns(FrameSource const& frame, std::vector<std::size_t> columns) {

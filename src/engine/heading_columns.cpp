@@ -14,7 +14,9 @@ namespace {
 class FrameWithHeadings final : public FrameSource {
  public:
   FrameWithHeadings(Frame head, FrameSource const& of_world, std::span<Vector const> headings)
-      : FrameSource(std::move(head), of_world.size(), of_world.fields()), of_world_(of_world), headings_(headings) {}
+      : FrameSource(std::move(head), of_world.size(), of_world.fields(), of_world.networks()),
+        of_world_(of_world),
+        headings_(headings) {}
 
   [[nodiscard]] std::vector<Id> ids(std::size_t first, std::size_t count) const override {
     return of_world_.ids(first, count);

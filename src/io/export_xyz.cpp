@@ -18,7 +18,7 @@ namespace {
 class WithMomenta final : public FrameSource {
  public:
   explicit WithMomenta(FrameSource const& frame)
-      : FrameSource(head_of(frame), frame.size(), frame.fields()),
+      : FrameSource(head_of(frame), frame.size(), frame.fields(), frame.networks()),
         frame_(frame),
         masses_(reals(frame, Mass::name)),
         velocities_(velocities_of(frame)) {}

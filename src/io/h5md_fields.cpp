@@ -66,15 +66,12 @@ std::vector<Field> read_fields(hdf5::Handle const& file, std::size_t frame, std:
 
 namespace gridlock {
 
-void write_fields(std::span<Field const> fields, std::filesystem::path const& path) {
+void write_hdf5(std::filesystem::path const& path, std::function<void(hdf5::Handle const&)> const& fill) {
   try {
     std::filesystem::path temporary = path;
     temporary += ".part";
     hdf5::Handle file = hdf5::create_file(temporary);
-    for (Field const& field : fields) {
-      h5md::create_field(file, field, 1);
-      h5md::put_field(file, field, 0);
-    }
+    fill(file);
     file.close("write the file");
     std::filesystem::rename(temporary, path);
   } catch (hdf5::Failure const& failure) {
@@ -82,6 +79,15 @@ void write_fields(std::span<Field const> fields, std::filesystem::path const& pa
   } catch (std::filesystem::filesystem_error const& failure) {
     throw RunFailure("cannot write " + path.string() + ": " + failure.code().message());
   }
+}
+
+void write_fields(std::span<Field const> fields, std::filesystem::path const& path) {
+  write_hdf5(path, [&](hdf5::Handle const& file) {
+    for (Field const& field : fields) {
+      h5md::create_field(file, field, 1);
+      h5md::put_field(file, field, 0);
+    }
+  });
 }
 
 std::vector<Field> read_fields(std::filesystem::path const& path) {

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,3 +24,10 @@ void put_field(hdf5::Handle const& file, Field const& field, std::size_t frame);
 std::vector<Field> read_fields(hdf5::Handle const& file, std::size_t frame, std::uint64_t bytes);
 
 }  // namespace gridlock::h5md
+
+namespace gridlock {
+
+/// Writes a new HDF5 file, which has its name only when it is whole. Errors: RunFailure.
+void write_hdf5(std::filesystem::path const& path, std::function<void(hdf5::Handle const&)> const& fill);
+
+}  // namespace gridlock

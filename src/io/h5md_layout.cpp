@@ -102,6 +102,15 @@ void add_fields(Checksum& sum, std::span<Field const> fields) {
   }
 }
 
+void add_networks(Checksum& sum, std::span<Network const> networks) {
+  for (Network const& network : networks) {
+    std::uint64_t const shape[] = {network.is_directed() ? 1U : 0U, network.size()};
+    sum.add(std::span(network.name()));
+    sum.add(std::span(shape));
+    sum.add(network.edges());
+  }
+}
+
 std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash) {
   Checksum sum = begun_checksum(frame.box, frame.clock, frame.seed, frame.size(), state_hash);
   sum.add(std::span(frame.ids));
@@ -110,6 +119,7 @@ std::uint64_t checksum(Frame const& frame, std::span<double const> observables, 
     sum.add(bytes_of(column.values));
   }
   add_fields(sum, frame.fields);
+  add_networks(sum, frame.networks);
   sum.add(observables);
   return sum.digest();
 }

@@ -67,10 +67,11 @@ std::span<std::byte const> bytes_of(FrameValues const& values);
 std::size_t width_of(FrameValues const& values);
 
 /// Starts the checksum of a frame, by which the reader finds damage. The caller then adds all Ids, the name and the
-/// values of each column, the fields, and last the observables.
+/// values of each column, the fields, the networks, and last the observables.
 Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
                         std::uint64_t state_hash);
 void add_fields(Checksum& sum, std::span<Field const> fields);
+void add_networks(Checksum& sum, std::span<Network const> networks);
 /// Returns the checksum of a frame in memory.
 std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash);
 

@@ -10,6 +10,7 @@
 #include "io/file_format.hpp"
 #include "io/h5md_fields.hpp"
 #include "io/h5md_layout.hpp"
+#include "io/h5md_networks.hpp"
 #include "io/h5md_source.hpp"
 #include "io/hdf5.hpp"
 
@@ -179,7 +180,7 @@ void OwnTrajectory::read_columns(Element const& element, std::size_t k, Frame& f
 }
 
 std::optional<FrameContacts> OwnTrajectory::read_contacts() const {
-  if (!hdf5::has(file_, "/connectivity")) return std::nullopt;
+  if (!hdf5::has(file_, "/connectivity") || !hdf5::has(file_, "/connectivity/contacts")) return std::nullopt;
   std::string const path = "/connectivity/contacts/";
   Handle const ids = dataset(path + "value", 3);
   std::vector<hsize_t> const extent = hdf5::extent_of(ids);
@@ -209,6 +210,7 @@ H5mdFrame OwnTrajectory::read_frame(std::size_t k) const {
   frame.ids = read_ids(k);
   for (Element const& element : elements_) read_columns(element, k, frame);
   frame.fields = h5md::read_fields(file_, k, bytes_);
+  frame.networks = h5md::read_networks(file_, k, bytes_);
   for (H5mdObservable const& observable : settings_.observables) {
     result.observables.push_back(read_one<double>("/observables/" + observable.name + "/value", k));
   }

@@ -15,8 +15,8 @@
 #include "gridlock/io/h5md.hpp"
 #include "io/deflated_chunk.hpp"
 #include "io/h5md_dataset.hpp"
-#include "io/h5md_fields.hpp"
 #include "io/h5md_layout.hpp"
+#include "io/h5md_networks.hpp"
 #include "io/hdf5.hpp"
 
 namespace gridlock {
@@ -62,10 +62,7 @@ class Beginning {
     write_box();
     write_observables();
     write_parameters();
-    for (Field const& field : frame_.fields()) {
-      h5md::create_field(file_, field, static_cast<int>(settings_.compression));
-      link_clock(h5md::path_of_field(field.name()));
-    }
+    h5md::create_beside(file_, frame_, group_, static_cast<int>(settings_.compression));
     if (settings_.contacts) write_contacts(*settings_.contacts);
   }
 
@@ -372,6 +369,7 @@ std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource
   }
   put_chunks(chunks, was_cut_short);
   h5md::add_fields(sum, frame.fields());
+  h5md::add_networks(sum, frame.networks());
   sum.add(observables);
   return sum.digest();
 }
@@ -425,9 +423,7 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
                                    std::uint64_t state_hash) {
   require_columns(frame);
   assert(observables.size() == observables_.size());
-  std::size_t bytes_of_fields = 0;
-  for (Field const& field : frame.fields()) bytes_of_fields += field.values().size_bytes() + room_for_indices;
-  hdf5::reserve(path_, max_bytes_of_frame(frame.size()) + bytes_of_fields + bytes_of_fields / 100);
+  hdf5::reserve(path_, max_bytes_of_frame(frame.size()) + h5md::max_bytes_beside(frame));
   Handle file = hdf5::open_file(path_, Access::append);
   std::uint64_t const checksum = put_agents(file, frame, observables, state_hash);
   for (std::size_t k = 0; k < observables_.size(); ++k) {
@@ -436,7 +432,7 @@ void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double co
   put(file, "/parameters/frames/state_hash", state_hash);
   put(file, "/parameters/frames/checksum", checksum);
   put_box(file, frame.box());
-  for (Field const& field : frame.fields()) h5md::put_field(file, field, frame_count());
+  h5md::put_beside(file, frame, frame_count());
   put(file, group_ + "/id/time", frame.clock().time);
   // The step is written last, since a frame counts as complete as soon as its step exists.
   hdf5::flush(file);

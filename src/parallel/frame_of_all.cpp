@@ -77,7 +77,7 @@ class OwnRows {
 class FrameOfAll final : public FrameSource {
  public:
   FrameOfAll(Communicator& ranks, Frame const& head, AgentsView const& own, OwnRows const& rows)
-      : FrameSource(head, rows.all(), {}), ranks_(ranks), own_(own), rows_(rows) {}
+      : FrameSource(head, rows.all(), {}, {}), ranks_(ranks), own_(own), rows_(rows) {}
 
   [[nodiscard]] std::vector<Id> ids(std::size_t first, std::size_t count) const override {
     std::vector<Id> ids;

@@ -11,6 +11,7 @@
 #include "gridlock/core/world.hpp"
 #include "io/checkpoint.hpp"
 #include "io/field_file.hpp"
+#include "io/network_file.hpp"
 #include "io/xyz_writer.hpp"
 #include "workspace/result_differences.hpp"
 #include "workspace/run_results.hpp"
@@ -55,7 +56,9 @@ std::string first_difference(Frame const& file, Frame const& replay) {
                        file.ids[*row], value_text(same->values, *row));
   }
   bool const has_same_box = file.box == replay.box && word_of(file.clock.time) == word_of(replay.clock.time);
-  return has_same_box ? difference_of_fields(file.fields, replay.fields) : "another box or time than the replay";
+  if (!has_same_box) return "another box or time than the replay";
+  std::string difference = difference_of_fields(file.fields, replay.fields);
+  return difference.empty() ? difference_of_networks(file.networks, replay.networks) : difference;
 }
 
 }  // namespace
@@ -226,13 +229,19 @@ bool Replay::compare_results() {
   bool is_same = true;
   simulation_.give_frame([&](FrameSource const& frame) {
     std::string const summary = summary_text("", setup_.configuration, links_[1].hash, record, frame, {});
-    is_same = agrees("final.xyz", [&](auto const& file) { return difference_of_text(file, xyz_text(frame)); }) &&
-              agrees(final_fields_name,
-                     [&](auto const& file) {
-                       std::string difference = difference_of_fields(read_fields(file), frame.fields());
-                       return difference.empty() ? difference : fmt::format("{} has {}", final_fields_name, difference);
-                     }) &&
-              agrees(summary_name, [&](auto const& file) { return difference_of_summary(file, summary); });
+    is_same =
+        agrees("final.xyz", [&](auto const& file) { return difference_of_text(file, xyz_text(frame)); }) &&
+        agrees(final_fields_name,
+               [&](auto const& file) {
+                 std::string difference = difference_of_fields(read_fields(file), frame.fields());
+                 return difference.empty() ? difference : fmt::format("{} has {}", final_fields_name, difference);
+               }) &&
+        agrees(final_networks_name,
+               [&](auto const& file) {
+                 std::string difference = difference_of_networks(read_networks(file), frame.networks());
+                 return difference.empty() ? difference : fmt::format("{} has {}", final_networks_name, difference);
+               }) &&
+        agrees(summary_name, [&](auto const& file) { return difference_of_summary(file, summary); });
   });
   return is_same;
 }

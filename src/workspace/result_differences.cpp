@@ -125,4 +125,24 @@ std::string difference_of_fields(std::span<Field const> recorded, std::span<Fiel
   return "";
 }
 
+std::string difference_of_networks(std::span<Network const> recorded, std::span<Network const> replay) {
+  for (Network const& present : replay) {
+    auto const found = std::ranges::find(recorded, present.name(), &Network::name);
+    if (found == recorded.end() || found->is_directed() != present.is_directed()) {
+      return fmt::format("no {} network {}, which the replay has", present.is_directed() ? "directed" : "undirected",
+                         present.name());
+    }
+    auto const [one, other] = std::ranges::mismatch(found->edges(), present.edges());
+    if (one == found->edges().end() && other == present.edges().end()) continue;
+    auto const edge_text = [](auto const& edge, auto const& end) {
+      return edge == end
+                 ? std::string("no more edge")
+                 : fmt::format("an edge of agents {} and {} with the weight {}", edge->from, edge->to, edge->weight);
+    };
+    return fmt::format("{} in the network {}, where the replay has {}", edge_text(one, found->edges().end()),
+                       present.name(), edge_text(other, present.edges().end()));
+  }
+  return "";
+}
+
 }  // namespace gridlock

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gridlock/core/field.hpp"
+#include "gridlock/core/network.hpp"
 #include "gridlock/io/table.hpp"
 
 namespace gridlock {
@@ -28,5 +29,7 @@ std::string difference_of_text(std::filesystem::path const& file, std::string co
 
 /// Compares fields, cell by cell.
 std::string difference_of_fields(std::span<Field const> recorded, std::span<Field const> replay);
+/// Compares networks, edge by edge.
+std::string difference_of_networks(std::span<Network const> recorded, std::span<Network const> replay);
 
 }  // namespace gridlock

@@ -43,7 +43,7 @@ std::vector<fs::path> run_files(fs::path const& directory, Configuration const& 
   std::vector<fs::path> files;
   for (char const* name : {"config.resolved.toml", "start.xyz", "run.log", "checkpoint.gridlock",
                            "checkpoint.previous.gridlock", "trajectory.h5", "trajectory.h5.part", "series.csv",
-                           "hashes.csv", "final.xyz", final_fields_name, summary_name}) {
+                           "hashes.csv", "final.xyz", final_fields_name, final_networks_name, summary_name}) {
     files.push_back(directory / name);
   }
   for (std::string_view const curve : names_of_curves()) files.push_back(directory / fmt::format("{}.csv", curve));

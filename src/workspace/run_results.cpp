@@ -13,6 +13,7 @@
 #include "gridlock/io/xyz.hpp"
 #include "io/field_file.hpp"
 #include "io/file.hpp"
+#include "io/network_file.hpp"
 #include "simulation/expected_work.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/summary.hpp"
@@ -132,6 +133,10 @@ void write_run_results(std::filesystem::path const& directory, std::string const
     if (!frame.fields().empty()) {
       record_result(directory / final_fields_name);
       write_fields(frame.fields(), directory / final_fields_name);
+    }
+    if (!frame.networks().empty()) {
+      record_result(directory / final_networks_name);
+      write_networks(frame.networks(), directory / final_networks_name);
     }
   }
   write_file(directory / summary_name, summary_text(versions, configuration, start_hash, record, frame, traffic));

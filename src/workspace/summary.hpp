@@ -10,6 +10,8 @@ namespace gridlock {
 inline constexpr char const* summary_name = "summary.json";
 /// The fields of the last state, beside final.xyz.
 inline constexpr char const* final_fields_name = "final_fields.h5";
+/// The networks of the last state, beside final.xyz.
+inline constexpr char const* final_networks_name = "final_networks.h5";
 
 /// Returns the JSON of a summary; read_summary() converts it to a RunSummary.
 /// Errors: Error if the file is missing, damaged or no summary.

@@ -22,6 +22,7 @@
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/field.hpp"
+#include "gridlock/core/network.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/world.hpp"
 
@@ -48,7 +49,8 @@ struct Frame {
   std::uint64_t seed = 0;
   std::vector<Id> ids;
   std::vector<FrameColumn> columns;
-  std::vector<Field> fields = {};  ///< numbers over the box, in the order of their names
+  std::vector<Field> fields = {};      ///< numbers over the box, in the order of their names
+  std::vector<Network> networks = {};  ///< edges between the agents, in the order of their names
 
   [[nodiscard]] std::size_t size() const { return ids.size(); }
   /// Returns the column named `name`, or nullptr.
@@ -68,15 +70,16 @@ struct FrameContacts {
   friend bool operator==(FrameContacts const&, FrameContacts const&) = default;
 };
 
-/// Copies agents with all columns to a frame without fields. Cost: one copy, and a sort of the Ids unless they are in
-/// order.
+/// Copies agents with all columns to a frame without fields and networks. Cost: one copy, and a sort of the Ids unless
+/// they are in order.
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentsView const& agents);
 
-/// Copies the agents of a world with all columns, and its fields, to a frame.
+/// Copies the agents of a world with all columns, its fields and its networks, to a frame.
 template <class Model>
 Frame frame_of(World<Model> const& world) {
   Frame frame = frame_of(world.box, world.clock, world.seed, world.agents);
   frame.fields = world.fields;
+  frame.networks = world.networks;
   return frame;
 }
 

@@ -46,8 +46,9 @@ class FrameSource {
   [[nodiscard]] Clock const& clock() const { return head_.clock; }
   [[nodiscard]] std::uint64_t seed() const { return head_.seed; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Returns the fields, which only whole() copies.
+  /// Returns the fields, which only whole() copies, as it does the networks.
   [[nodiscard]] std::span<Field const> fields() const { return fields_; }
+  [[nodiscard]] std::span<Network const> networks() const { return networks_; }
   /// Returns the names and types of the columns: FrameColumn::values is empty and has the type of the column.
   [[nodiscard]] std::vector<FrameColumn> const& columns() const { return head_.columns; }
   /// Returns the index in columns() of the column named `name`, or nothing.
@@ -64,23 +65,25 @@ class FrameSource {
 
  protected:
   /// Makes a source of `size` agents; `head` is a frame without rows that has the box, clock, seed and columns.
-  FrameSource(Frame head, std::size_t size, std::span<Field const> fields)
-      : head_(std::move(head)), size_(size), fields_(fields) {}
+  FrameSource(Frame head, std::size_t size, std::span<Field const> fields, std::span<Network const> networks)
+      : head_(std::move(head)), size_(size), fields_(fields), networks_(networks) {}
 
  private:
   Frame head_;
   std::size_t size_;
   std::span<Field const> fields_;
+  std::span<Network const> networks_;
 };
 
-/// Makes a source of agents in memory, valid as long as `agents` and `fields` are. Cost: a sort of the Ids unless they
-/// are in order.
+/// Makes a source of agents in memory, valid as long as `agents`, `fields` and `networks` are. Cost: a sort of the Ids
+/// unless they are in order.
 std::unique_ptr<FrameSource> frame_source_of(Box const& box, Clock const& clock, std::uint64_t seed,
-                                             AgentsView const& agents, std::span<Field const> fields = {});
+                                             AgentsView const& agents, std::span<Field const> fields = {},
+                                             std::span<Network const> networks = {});
 /// Makes a source of the agents of a world, valid as long as no agent is born, dies or moves to another row.
 template <class Model>
 std::unique_ptr<FrameSource> frame_source_of(World<Model> const& world) {
-  return frame_source_of(world.box, world.clock, world.seed, world.agents, world.fields);
+  return frame_source_of(world.box, world.clock, world.seed, world.agents, world.fields, world.networks);
 }
 /// Makes a source of the rows of a frame. Contract: the frame outlives the source.
 std::unique_ptr<FrameSource> frame_source_of(Frame const& frame);

@@ -24,14 +24,15 @@ enum class Purpose : std::uint64_t {
   start_velocity = 2,
   species = 3,
   paper_study = 4,
-  model_start = 5,   ///< positions and other values of the agents of a model at the start
-  model_step = 6,    ///< events in a step that belong to no single agent
-  swap_trial = 7,    ///< trial moves of swap Monte Carlo
-  thermostat = 8,    ///< waiting times and velocities of kicks
-  heading = 9,       ///< headings of self-propelled disks
-  event_chain = 10,  ///< first disks of event chains
-  model_take = 11,   ///< the order in which agents of a model take from a cell of a field
-  model_turn = 256,  ///< this number and those above it: see purpose_of_turn()
+  model_start = 5,     ///< positions and other values of the agents of a model at the start
+  model_step = 6,      ///< events in a step that belong to no single agent
+  swap_trial = 7,      ///< trial moves of swap Monte Carlo
+  thermostat = 8,      ///< waiting times and velocities of kicks
+  heading = 9,         ///< headings of self-propelled disks
+  event_chain = 10,    ///< first disks of event chains
+  model_take = 11,     ///< the order in which agents of a model take from a cell of a field
+  model_network = 12,  ///< edges of a network
+  model_turn = 256,    ///< this number and those above it: see purpose_of_turn()
 };
 
 /// Returns the purpose of random numbers that a model draws in a turn; `number` = 0, 1, 2 … tells its purposes apart.

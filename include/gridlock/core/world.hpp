@@ -30,6 +30,7 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/field.hpp"
+#include "gridlock/core/network.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/core/vector.hpp"
@@ -58,7 +59,7 @@ constexpr std::span<std::string_view const> event_names() {
 template <class Model>
 using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
 
-/// The agents of a model, their box, clock, seed and fields: two equal worlds stay equal under the same settings.
+/// The agents of a model with box, clock, seed, fields and networks: equal worlds stay equal under the same settings.
 ///
 /// `Model` declares the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
 template <class Model>
@@ -70,7 +71,8 @@ struct World {
   Clock clock;
   std::uint64_t seed = 0;
   EventCounts<Model> events{};  ///< counted since the start; not part of the state, since no move depends on the counts
-  std::vector<Field> fields = {};  ///< numbers over the box, in the order of their names
+  std::vector<Field> fields = {};      ///< numbers over the box, in the order of their names
+  std::vector<Network> networks = {};  ///< edges between the agents, in the order of their names
 
   /// Returns the random numbers with which a model places its agent number `number` at the start.
   [[nodiscard]] RandomStream start_random(std::uint64_t number) const {
@@ -125,7 +127,8 @@ std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Popul
 /// Returns the state hash of a world; equal for worlds of two models with the same columns and values.
 template <class Model>
 std::uint64_t hash(World<Model> const& world) {
-  return hash_with_fields(hash(world.box, world.clock, world.seed, world.agents), world.fields);
+  std::uint64_t const of_agents = hash(world.box, world.clock, world.seed, world.agents);
+  return hash_with_networks(hash_with_fields(of_agents, world.fields), world.networks);
 }
 
 /// Serializes every bit. Errors: Error if the restored values are no valid clock, box or world.
@@ -140,9 +143,13 @@ void serialize(Archive& archive, World<Model>& world) {
   serialize_inside(archive, "events", [&] {
     for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
   });
-  if (world.fields.empty()) return;
-  serialize_inside(archive, "fields", [&] {
-    for (Field& field : world.fields) field.serialize(archive);
-  });
+  auto const serialize_all = [&](char const* name, auto& things) {
+    if (things.empty()) return;
+    serialize_inside(archive, name, [&] {
+      for (auto& thing : things) thing.serialize(archive);
+    });
+  };
+  serialize_all("fields", world.fields);
+  serialize_all("networks", world.networks);
 }
 }  // namespace gridlock

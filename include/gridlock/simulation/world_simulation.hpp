@@ -52,7 +52,8 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] AllProcesses processes() const override { return processes_; }
   [[nodiscard]] std::uint64_t state_hash() const override {
     std::uint64_t const sum = processes_.sum(sum_of_hashes(world_.agents));
-    return hash_with_fields(hash_of_world(world_.box, world_.clock, world_.seed, agents_, sum), world_.fields);
+    std::uint64_t const of_agents = hash_of_world(world_.box, world_.clock, world_.seed, agents_, sum);
+    return hash_with_networks(hash_with_fields(of_agents, world_.fields), world_.networks);
   }
   [[nodiscard]] std::vector<Count> counts() const override { return engine_->counts(world_, counters_); }
   [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
