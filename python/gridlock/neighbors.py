@@ -111,7 +111,9 @@ class Neighbors(NamedTuple):
         count = len(self.indptr) - 1
         if len(others.indptr) - 1 != count:
             raise Error(f"neighbours of {count} and of {len(others.indptr) - 1} points cannot be joined\n  hint: use lists of the same points")
-        both = np.union1d(self.owners * count + self.indices, others.owners * count + others.indices)
+        # Sorting is far faster than np.unique.
+        both = np.sort(np.concatenate([self.owners * count + self.indices, others.owners * count + others.indices]))
+        both = both[np.diff(both, prepend=-1) != 0]
         owners, indices = np.divmod(both, max(count, 1))
         return Neighbors(np.searchsorted(owners, np.arange(count + 1)).astype(np.uint64), indices.astype(np.uint32))
 

@@ -288,6 +288,12 @@ def test_a_run_keeps_its_networks_and_goes_on_with_the_same_bits(tmp_path):
     for name, edges in whole.final.networks.items():
         assert (edges.ids == whole.trajectory[-1].networks[name].ids).all() and (edges.weights == parts.final.networks[name].weights).all()
     assert len({len(frame.networks["friends"].ids) for frame in whole.trajectory}) > 2
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(whole.path / "trajectory.h5") as file:
+        group, edges = file["connectivity/networks/friends"], whole.final.networks["friends"]
+        assert (group["value"][-1, : len(edges.ids)] == edges.ids).all() and (group["value"][-1, len(edges.ids) :] == 2**64 - 1).all()
+        assert group.attrs["directed"] == 0 and file[group.attrs["particles_group"]].name == "/particles/disks"
+        assert group["step"][:].tolist() == [0, 25, 50, 75, 100]
     assert gridlock.verify(whole.path).is_verified
 
 
