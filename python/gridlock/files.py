@@ -170,7 +170,8 @@ class FrameContacts(NamedTuple):
 
 
 def frame_of_values(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
-    ids, columns, box, step, time, fields, networks = values
+    ids, columns, box, step, time, *others = values  # of files of other programs without fields and networks
+    fields, networks = others or ({}, {})
     names = {name: names for name, names in (value_names or {}).items() if name in columns}
     return Frame(box_of(box), Clock(step, time), ids, columns, names, fields, {name: Edges(*edges) for name, edges in networks.items()})
 

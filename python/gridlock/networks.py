@@ -77,15 +77,17 @@ class WorldNetwork:
     @property
     def edges(self) -> NDArray[np.uint32]:
         """The rows at both ends of every edge, shape (E, 2), in the order of their Ids."""
-        rows: Any = self._core.network_edges(self._name)[0]
-        return rows  # type: ignore[no-any-return]
+        stored: Any = self._core.network_edges(self._name)
+        rows: NDArray[np.uint32] = stored[0]
+        return rows
 
     @property
     def weights(self) -> NDArray[np.float64]:
         """The weight of every edge, shape (E,); 1 unless others are given. ``world.friends.weights = …`` takes a number or an array."""
-        weights: Any = self._core.network_edges(self._name)[1]
+        stored: Any = self._core.network_edges(self._name)
+        weights: NDArray[np.float64] = stored[1]
         weights.flags.writeable = False
-        return weights  # type: ignore[no-any-return]
+        return weights
 
     @weights.setter
     def weights(self, weights: ArrayLike) -> None:
