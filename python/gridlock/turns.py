@@ -66,7 +66,7 @@ def require_turn(model: type[Model]) -> None:
     turn = inspect.getattr_static(model, "turn")
     if not isinstance(turn, staticmethod) or tuple(inspect.signature(turn.__func__).parameters) != parameters:
         raise Error(f"turn of {what} is no function of a turn\n  hint: @staticmethod def turn({', '.join(parameters)})")
-    if not hasattr(model, "cutoff") and not hasattr(model, "neighbors"):
+    if not hasattr(model, "cutoff") and not _names_neighbors(model):
         raise Error(f"{what} has no cutoff\n  hint: say how far its agents look, by a number, a setting or a property; or define neighbors(self, world)")
     for name in reserved_columns:
         if name in model.columns:
@@ -106,8 +106,13 @@ def take_turns(model: Model, world: World) -> None:
         model.finish(world, bounces)
 
 
+def _names_neighbors(model: type[Model]) -> bool:
+    """Whether a method, and not a setting of this name, says who the neighbours are."""
+    return callable(getattr(model, "neighbors", None))
+
+
 def _neighbors_of(model: Any, world: World) -> Neighbors:
-    if not hasattr(model, "neighbors"):
+    if not _names_neighbors(type(model)):
         return world.neighbors(model.cutoff)
     return as_neighbors(model.neighbors(world), len(world))
 
