@@ -326,7 +326,7 @@ class World(_SeenByModel, FieldsOfWorld):
         return radii
 
     def rows_of(self, ids: ArrayLike) -> NDArray[np.int64]:
-        """The rows of the agents with these Ids, shape (len(ids),).
+        """The rows of the agents with these Ids, in an array of their shape.
 
         :raises Error: for an agent that does not live.
         """

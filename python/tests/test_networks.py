@@ -105,6 +105,7 @@ def test_agents_know_their_neighbours_on_the_network_with_the_weights_of_edges()
         world.got = lists.weighted_sum(world.ids.astype(float))
         np.testing.assert_allclose(lists.sum(np.ones(5)), lists.counts)
         assert lists.mean(world.ids.astype(float))[order[3]] == 4.0
+        assert world.ids[world.rows_of([[0, 4], [2, 1]])].tolist() == [[0, 4], [2, 1]]
         assert pickle.loads(pickle.dumps(lists)).weights.tolist() == lists.weights.tolist()
 
     made = after(lambda start: start.net.connect([0, 1, 0, 4], [1, 2, 2, 3], [0.5, 2.0, 1.0, 3.0]), step)
