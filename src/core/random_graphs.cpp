@@ -84,7 +84,7 @@ NodePairs random_graph(std::uint32_t nodes, double probability, PairsOfNodes pai
   require_room_for(probability * static_cast<double>(all));
   NodePairs drawn;
   if (probability == 0.0 || all == 0) return drawn;
-  // Of many edges the missing ones are drawn, so that (1 − p)^block stays far above the smallest numbers.
+  // The missing edges are drawn where there are many, so that (1 − p)^block stays far above the smallest numbers.
   bool const draws_missing = probability > 0.5;
   double const chance = draws_missing ? 1.0 - probability : probability;
   constexpr double mean_of_block = 16.0;

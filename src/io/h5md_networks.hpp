@@ -23,7 +23,7 @@ void put_network(hdf5::Handle const& file, Network const& network, std::size_t f
 /// Returns the networks of a frame, in the order of their names. A file of `bytes` bytes cannot have larger ones.
 std::vector<Network> read_networks(hdf5::Handle const& file, std::size_t frame, std::uint64_t bytes);
 
-/// Creates the groups of the fields and networks of a frame, whose steps and times are those of the group of the agents.
+/// Creates the groups of the fields and networks of a frame, with the steps and times of the group of the agents.
 void create_beside(hdf5::Handle const& file, FrameSource const& frame, std::string const& agents, int compression);
 /// Writes the fields and networks of a frame as frame `k`, the last one.
 void put_beside(hdf5::Handle const& file, FrameSource const& frame, std::size_t k);
