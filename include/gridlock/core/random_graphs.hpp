@@ -43,8 +43,8 @@ struct SmallWorld {
   double rewiring = 0.1;
 };
 /// Returns the small-world graph of D. J. Watts and S. H. Strogatz, 1998, doi:10.1038/30918: a moved edge keeps one of
-/// its nodes, and the other is drawn among those that it has no edge to. Errors: Error for an odd degree, one that is not
-/// below N, and a probability outside 0 to 1. Cost: about 150 ns an edge.
+/// its nodes, and the other is drawn among those that it has no edge to. Errors: Error for an odd degree, for one
+/// that is not below N, and a probability outside 0 to 1. Cost: about 150 ns an edge.
 NodePairs small_world_graph(std::uint32_t nodes, SmallWorld const& settings, RandomStream& random);
 
 /// Returns the scale-free graph of A.-L. Barabási and R. Albert, 1999, doi:10.1126/science.286.5439.509: nodes come one
