@@ -62,9 +62,10 @@ struct OtherCommand {
 };
 
 constexpr char const* python_commands = "Commands of the Python package";
-constexpr std::array<OtherCommand, 5> other_commands{
+constexpr std::array<OtherCommand, 6> other_commands{
     {{"view", "Show a run, a sweep or a file in the browser, also while it is written", "Commands for the browser"},
      {"plot", "Draw the pictures of a run, sweep or packing from its data", python_commands},
+     {"show", "Show a model in Python, or settings, in the browser while it runs", python_commands},
      {"paper", "Make the paper's Figures 4 to 7 and check its claims", python_commands},
      {"jam", "Jam disks by quench, growth and decompression, shear them, and compare with published numbers",
       python_commands},

@@ -24,7 +24,7 @@ std::filesystem::path find_other_program(std::string const& word);
 /// Returns the words of all programs gridlock-WORD, in alphabetical order. Cost: reads all directories of PATH.
 std::vector<std::string> other_programs();
 
-/// Returns how to install the Python package for a command; "plot" and "paper" need different other packages.
+/// Returns how to install the Python package for a command; "plot", "show" and "paper" need different other packages.
 std::string python_package(std::string_view command);
 
 /// Replaces this process by the program, with the arguments after its word, so that output, exit code and signals are

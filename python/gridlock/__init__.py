@@ -49,6 +49,7 @@ from .order import (
 )
 from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .sensitivity import SobolDesign
+from .show import Shown, show
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
 from .tables import Table
@@ -58,13 +59,13 @@ __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages 
 __all__ = [
     "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Edges",
     "Error", "Experiment", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "Network", "OrderCorrelation",
-    "PairCorrelation", "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
-    "SobolDesign", "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory", "Table",
-    "Trajectory", "VanHove", "Verification", "Voronoi", "WeightedNeighbors", "World", "WorldNetwork", "bond_orientation", "clusters",
-    "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics", "experiment",
-    "explain", "mean_squared_displacement", "neighbors", "order_correlation", "pair_correlation", "pair_correlation_map", "pairs",
-    "pairs_of_disks", "read_xyz", "register_model", "run", "run_until", "separations", "shear_viscosity", "spectral_density",
-    "string_lengths", "structure_factor", "structure_peak", "sweep", "van_hove", "verify", "voronoi",
+    "PairCorrelation", "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Shown",
+    "Simulation", "SobolDesign", "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory",
+    "Table", "Trajectory", "VanHove", "Verification", "Voronoi", "WeightedNeighbors", "World", "WorldNetwork", "bond_orientation",
+    "clusters", "collective_scattering", "combine", "contacts", "defects", "density_profile", "diffusion_coefficient", "dynamics",
+    "experiment", "explain", "mean_squared_displacement", "neighbors", "order_correlation", "pair_correlation", "pair_correlation_map",
+    "pairs", "pairs_of_disks", "read_xyz", "register_model", "run", "run_until", "separations", "shear_viscosity", "show",
+    "spectral_density", "string_lengths", "structure_factor", "structure_peak", "sweep", "van_hove", "verify", "voronoi",
 ]
 
 

@@ -35,6 +35,8 @@ _names_in_files = ("id", "position", "pos", "velocity", "velo", "image")
 
 #: Names of the values of one column.
 MOST_NAMES = 64
+#: Curves of one chart that can be told apart.
+MOST_CURVES = 6
 #: The largest whole number that a setting can be.
 MOST_NUMBER = 2**64 - 1
 
@@ -133,6 +135,7 @@ class Model:
     - ``events``: names of what :meth:`World.count` counts. ``value_names``: names of the numbers 0, 1, 2 … of a column.
     - ``fields``: numbers on a grid over the box, ``{"grass": gridlock.Field(100)}``; see :class:`gridlock.Field`.
     - ``networks``: edges between the agents, ``{"friends": gridlock.Network()}``; see :class:`gridlock.Network`.
+    - ``charts``: observations that :func:`gridlock.show` draws together: ``{"people": ("susceptible", "infected")}``.
     - ``time_step``: the physical time of a step; a number, a setting, or a property.
     - :meth:`start`, :meth:`step`, :meth:`observe`, :meth:`check`: see there. In place of ``step``, ``turn`` is what one agent does, compiled
       by Numba; see :mod:`gridlock.turns`.
@@ -148,6 +151,7 @@ class Model:
     events: ClassVar[Sequence[str]] = ()
     value_names: ClassVar[Mapping[str, Sequence[str]]] = {}
     observations: ClassVar[Mapping[str, str]] = {}
+    charts: ClassVar[Mapping[str, Sequence[str]]] = {}
     time_step: Any = 1.0
     _columns: ClassVar[Mapping[str, ColumnOfModel]] = {}
 
@@ -415,6 +419,10 @@ def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], 
         if name not in columns:
             raise Error(f"{what} names the values of a column {name!r} that it does not have\n  hint: it has {', '.join(columns) or 'none'}")
         _require_names(what, name, model.value_names[name])
+    for title, curves in model.charts.items():
+        if not isinstance(title, str) or isinstance(curves, str) or not all(isinstance(name, str) for name in curves) or len(curves) > MOST_CURVES:
+            raise Error(f"the chart {in_short(title)} of {what} has the curves {in_short(curves)}\n"
+                        f"  hint: give names of observations or events, {MOST_CURVES} at most: charts = {{\"people\": (\"susceptible\", \"infected\")}}")
 
 
 def _require_named(what: str, noun: str, things: Mapping[str, Any], kind: type, taken: Iterable[str]) -> None:

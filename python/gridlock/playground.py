@@ -46,11 +46,20 @@ def find_page() -> str | None:
     with the package or with the program, else that of the build tree; None where there is none."""
     if VARIABLE in os.environ:
         return os.environ[VARIABLE] or None
+    return next((os.fspath(folder / FILE) for folder in _folders() if (folder / FILE).is_file()), None)
+
+
+def find_folder() -> str | None:
+    """The folder of the page with its files side by side, for servers; None where there is none."""
+    return next((os.fspath(folder) for folder in _folders() if (folder / "index.html").is_file()), None)
+
+
+def _folders() -> list[pathlib.Path]:
+    """Where the page may be."""
     above = pathlib.Path(__file__).resolve().parents
     prefixes = [above[4] if len(above) > 4 else above[-1]]  # of PREFIX/lib/pythonX.Y/site-packages/gridlock
     program = shutil.which("gridlock")
     if program is not None:
         prefixes.append(pathlib.Path(program).resolve().parents[1])
     places = [prefix / "share" / "gridlock" / "web" for prefix in prefixes]
-    places += [folder / "build-web" / "page" for folder in above[2:4]]  # of the package in the sources, and in a folder of a build
-    return next((os.fspath(place / FILE) for place in places if (place / FILE).is_file()), None)
+    return places + [folder / "build-web" / "page" for folder in above[2:4]]  # of the package in the sources, and in a folder of a build

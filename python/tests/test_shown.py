@@ -44,6 +44,9 @@ def public(tmp_path):
     with pytest.raises(gridlock.RunFailure):
         crowd.run(steps=1)
     simulation = gridlock.Simulation(settings)
+    (tmp_path / "index.html").touch()
+    shown_page = gridlock.Shown(lambda overrides: gridlock.Simulation(settings), tmp_path)
+    shown_page.close()
     return [
         made, made.table, made.means, run, run.trajectory, run.trajectory.contacts, run.final, run.series, run.results, run.results["mean_speed"], box,
         gridlock.neighbors(points, 0.05, box), gridlock.voronoi(points, box), gridlock.pair_correlation(points, box, range=0.1),
@@ -54,7 +57,7 @@ def public(tmp_path):
         gridlock.FrameContacts(run.final.clock, np.zeros((9000, 2), dtype=np.uint64), np.zeros(9000)),
         gridlock.collective_scattering(series, box=box, q=30.0), gridlock.van_hove(series, lags=1.0, range=0.1),
         gridlock.string_lengths(series, lags=1.0, distance=0.01), gridlock.verify(run.path),
-        simulation, simulation.agents, simulation.clock, simulation.columns[0], Crowd(), Crowd.count, gridlock.Field(10), *shown,
+        simulation, simulation.agents, simulation.clock, simulation.columns[0], Crowd(), Crowd.count, gridlock.Field(10), shown_page, *shown,
         gridlock.Network(), crowd.frame.networks["friends"],
         gridlock.Halts(np.zeros((9000, 2), dtype=bool), np.zeros(9000, dtype=np.int64)),
         gridlock.experiment(settings, {"disks.packing_fraction": [0.1, 0.2]}, steps=0, seeds=1, processes=1), gridlock.SobolDesign({"a.b": (0.0, 1.0)}, samples=256), gridlock.Error("wrong"),

@@ -110,7 +110,7 @@ TEST(Help, ThePageOfTheCommandLineSaysWhatTheProgramSays) {
   expect_good(outcome);
   std::string page = text_of(root / "docs/reference/command_line.md");
   // The last sections are what programs of their own say, of which this build may have some.
-  for (std::string const name : {"jam", "melt", "paper", "plot", "view"}) {
+  for (std::string const name : {"jam", "melt", "paper", "plot", "show", "view"}) {
     bool const is_built = fs::exists(fs::path(GRIDLOCK_PROGRAM).parent_path() / ("gridlock-" + name));
     if (!is_built) remove_section(page, "gridlock " + name);
   }

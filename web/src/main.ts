@@ -2,6 +2,8 @@ import "./page/style.css";
 
 import { Shell, type Panel } from "./page/shell.ts";
 import { ThemeSwitch } from "./page/theme.ts";
+import { isLive } from "./live/live_model.ts";
+import { LiveView } from "./live/live_view.ts";
 import { Playground } from "./playground/playground.ts";
 import { isServed } from "./sources/served.ts";
 import { acceptDrops } from "./viewer/drop.ts";
@@ -15,6 +17,7 @@ const showVersion = (version: string): void => {
 };
 
 const panels: Panel[] = [
+  ...(isLive() ? [{ name: "Model", open: async () => theLiveView() }] : []),
   {
     name: "Playground",
     open: async () => {
@@ -27,7 +30,14 @@ const panels: Panel[] = [
   },
   { name: "Viewer", open: async () => theViewer() },
 ];
-const VIEWER = 1;
+const VIEWER = panels.length - 1;
+
+function theLiveView(): LiveView {
+  const live = new LiveView(theme, showVersion);
+  void live.start();
+  Object.assign(globalThis, { gridlockLive: live });
+  return live;
+}
 
 let viewer: Viewer | undefined;
 function theViewer(): Viewer {

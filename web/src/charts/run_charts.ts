@@ -14,6 +14,12 @@ export interface QuantityColumn {
 const WALL_FACTOR = "wall_compressibility_factor";
 const OF_WALL_FACTOR = ["compressibility_factor", "virial_pressure", "wall_pressure"] as const;
 
+/** Quantities that share a chart because a model says so. */
+export interface DeclaredChart {
+  readonly title: string;
+  readonly names: readonly string[];
+}
+
 /** What every run may have, in the order of the charts; whatever else there is comes from the model and goes first. */
 const GROUPS: readonly { title: string; names: readonly string[] }[] = [
   { title: "Mean displacement", names: ["mean_displacement"] },
@@ -66,9 +72,17 @@ const FURTHER = new Set([
 ]);
 const TEMPERATURE_OF_KIND = /^temperature_[xy]_kind_\d+$/; // as many columns as a mixture has kinds
 
-/** The charts that suit a run: quantities of a model that say the same of themselves share a chart, as counts of kinds and of events do. */
-export function chartsFor(measured: readonly QuantityColumn[]): ChartDescription[] {
-  const columns = withFactors(measured);
+/**
+ * The charts that suit a run: those that are declared, then quantities of a model that say the same of themselves share a chart, as counts
+ * of kinds and of events do.
+ */
+export function chartsFor(measured: readonly QuantityColumn[], declared: readonly DeclaredChart[] = []): ChartDescription[] {
+  const isDeclared = (name: string): boolean => declared.some(({ names }) => names.includes(name));
+  const first = declared.map(({ title, names }) => {
+    const found = names.flatMap((name) => measured.filter((column) => column.name === name));
+    return describe(title === names.join() ? titleOf(found) : title, found);
+  });
+  const columns = withFactors(measured.filter((column) => !isDeclared(column.name)));
   const inGroups = new Set(GROUPS.flatMap((group) => group.names));
   const ofModel = new Map<string, QuantityColumn[]>();
   for (const column of columns) {
@@ -79,6 +93,7 @@ export function chartsFor(measured: readonly QuantityColumn[]): ChartDescription
   const made = [...ofModel.values()]
     .sort(countsOfEventsLast)
     .flatMap((group) => inSixes(group).map((part) => describe(titleOf(part), part)));
+  made.unshift(...first);
   for (const group of GROUPS) {
     const found = columns.filter((column) => group.names.includes(column.name));
     if (found.length > 0) made.push(describe(group.title, found));
@@ -160,12 +175,12 @@ export class RunCharts {
   }
 
   /** Begins anew with these columns. */
-  begin(columns: readonly QuantityColumn[]): void {
+  begin(columns: readonly QuantityColumn[], declared: readonly DeclaredChart[] = []): void {
     for (const { chart } of this.shown) chart.dispose();
     const before = this.chooser.value;
     this.columns = columns;
     this.series = undefined;
-    this.shown = chartsFor(columns).map((description) => this.add(description, this.list));
+    this.shown = chartsFor(columns, declared).map((description) => this.add(description, this.list));
     const options = columns.filter((column) => column.name !== "step" && column.name !== "time");
     this.chooser.replaceChildren(
       element("option", { value: "" }, "Another quantity…"),

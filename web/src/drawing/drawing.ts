@@ -2,7 +2,7 @@ import { makeRenderer, type AgentRenderer, type RendererKind } from "./agent_ren
 import { Camera } from "./camera.ts";
 import { paint, type Colouring, type Paint } from "./colouring.ts";
 import { download, Recording } from "./export.ts";
-import { FieldPicture, type Field, type FieldRange } from "./field_picture.ts";
+import { FieldLayer } from "./field_layer.ts";
 import { numberAt, type Frame, type Point } from "./frame.ts";
 import { Gestures } from "./gestures.ts";
 import { drawOverlay, LEGEND_HEIGHT, LIGHT, shortNumber, type Overlay, type Theme } from "./overlay.ts";
@@ -46,13 +46,13 @@ export class Drawing {
   tool: Tool = "select";
   readonly camera = new Camera();
   private readonly agents = document.createElement("canvas");
+  private readonly beneath = new FieldLayer();
   private readonly over = document.createElement("canvas");
   private readonly context: CanvasRenderingContext2D;
   private renderer: AgentRenderer;
   private readonly observer: ResizeObserver;
   private isEmpty = true;
   private frame: Frame = { box: { width: 1, height: 1, periodic: false }, count: 0, positions: new Float32Array(0) };
-  private field: FieldPicture | undefined;
   private paint: Paint = { palette: [], places: new Uint16Array(0), legend: { kind: "none" } };
   private overlay: Overlay = {};
   private theme: Theme = LIGHT;
@@ -85,22 +85,6 @@ export class Drawing {
     return this.over;
   }
 
-  /** Draws a field beneath the agents of the frames that come, or none. */
-  setField(field?: Field, range?: FieldRange): void {
-    if (field === undefined || range === undefined) {
-      this.field?.canvas.remove();
-      this.field = undefined;
-    } else {
-      if (this.field === undefined) {
-        this.field = new FieldPicture();
-        this.field.canvas.style.cssText = this.agents.style.cssText;
-        this.host.prepend(this.field.canvas);
-      }
-      this.field.load(field, range);
-    }
-    this.redraw();
-  }
-
   /** Draws a frame. Throws RangeError if there are not as many values as agents. */
   show(frame: Frame, colouring: Colouring): void {
     const painted = paint(frame, colouring);
@@ -111,6 +95,7 @@ export class Drawing {
     this.frame = frame;
     this.paint = painted;
     this.renderer.load(frame, painted);
+    this.beneath.load(frame, this.theme, this.agents);
     if (isOther || movesUp) this.fit(isOther);
     this.redraw();
   }
@@ -122,6 +107,7 @@ export class Drawing {
 
   setTheme(theme: Theme): void {
     this.theme = theme;
+    this.beneath.load(this.frame, theme, this.agents);
     this.redraw();
   }
 
@@ -147,7 +133,7 @@ export class Drawing {
         theme: this.theme,
         width: this.host.clientWidth,
         height: this.host.clientHeight,
-        ...(this.field === undefined ? {} : { field: this.field.address() }),
+        beneath: this.beneath,
       });
       return new Blob([text], { type: "image/svg+xml" });
     }
@@ -201,7 +187,7 @@ export class Drawing {
     cancelAnimationFrame(this.scheduled);
     this.observer.disconnect();
     this.renderer.dispose();
-    this.field?.canvas.remove();
+    this.beneath.dispose();
     this.agents.remove();
     this.over.remove();
   }
@@ -216,9 +202,9 @@ export class Drawing {
   }
 
   private paintNow(): void {
+    this.beneath.draw(this.camera, this.pixelRatio, this.agents);
     // A dark line parts disks on any background.
     this.renderer.draw(this.camera, this.pixelRatio, LIGHT.ink);
-    this.field?.draw(this.camera, this.frame.box, this.pixelRatio, this.agents.width, this.agents.height);
     const context = this.context;
     const width = this.host.clientWidth;
     const height = this.host.clientHeight;
@@ -241,7 +227,7 @@ export class Drawing {
     const [red, green, blue] = this.theme.background.map((part) => Math.round(255 * part));
     context.fillStyle = `rgb(${red} ${green} ${blue})`;
     context.fillRect(0, 0, canvas.width, canvas.height);
-    if (this.field !== undefined) context.drawImage(this.field.canvas, 0, 0);
+    this.beneath.drawOn(context);
     context.drawImage(this.agents, 0, 0);
     context.drawImage(this.over, 0, 0);
     return canvas;

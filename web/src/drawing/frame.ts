@@ -67,7 +67,24 @@ export interface Frame {
   readonly positions: Numbers;
   readonly radius?: Numbers | number;
   readonly heading?: Numbers;
+  /** Drawn beneath the agents. */
+  readonly field?: DrawnField;
 }
+
+/** Numbers on a grid of equal cells over the box, row by row from the bottom. */
+export interface Field {
+  readonly columns: number;
+  readonly rows: number;
+  readonly values: Numbers;
+}
+
+/** The ends of the colours of a field. */
+export interface FieldRange {
+  readonly least: number;
+  readonly most: number;
+}
+
+export type DrawnField = Field & FieldRange;
 
 /** The number in a row of any column; 64-bit integers lose what a double cannot hold, which no picture shows. */
 export function numberAt(column: Numbers, row: number): number {

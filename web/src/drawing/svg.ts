@@ -28,8 +28,8 @@ export interface View {
   readonly theme: Theme;
   readonly width: number;
   readonly height: number;
-  /** The address of a picture of the field beneath the agents. */
-  readonly field?: string;
+  /** Cells beneath the agents. */
+  readonly beneath?: { readonly href: string | undefined };
 }
 
 const MOST_AGENTS = 200_000;
@@ -50,9 +50,7 @@ export function toSvg(view: View): string {
     `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="DejaVu Sans, sans-serif" font-size="12">`,
     `<defs>${clip}</defs>`,
     `<rect width="${width}" height="${height}" fill="${toCss(theme.background)}"/>`,
-    ...(view.field === undefined
-      ? []
-      : [`<image x="${round(box.x)}" y="${round(box.y)}" width="${round(box.width)}" height="${round(box.height)}" preserveAspectRatio="none" style="image-rendering:pixelated" href="${view.field}"/>`]),
+    ...field(view, box),
     `<g${periodicAxes(frame.box).some(Boolean) ? ' clip-path="url(#box)"' : ""} ${outline(view)}>`,
     ...agents(view),
     "</g>",
@@ -60,6 +58,12 @@ export function toSvg(view: View): string {
     ...legend(view),
     "</svg>",
   ].join("\n");
+}
+
+function field({ beneath }: View, box: ReturnType<typeof boxRectangle>): string[] {
+  if (beneath?.href === undefined) return [];
+  const place = `x="${round(box.x)}" y="${round(box.y)}" width="${round(box.width)}" height="${round(box.height)}"`;
+  return [`<image ${place} preserveAspectRatio="none" style="image-rendering:pixelated" href="${beneath.href}"/>`];
 }
 
 function outline(view: View): string {

@@ -129,6 +129,12 @@ export function rangeOf(setting: SettingDescription, value: number): Range {
   return { least: setting.leastIsAllowed ? least : least + (most - least) / 1000, most, integer };
 }
 
+/** What a user should know of a slider that does not reach all that is allowed. */
+function beyond(setting: SettingDescription, { least, most }: Range): string | undefined {
+  const isAllowed = setting.least < least - Math.abs(least) / 100 || setting.most > most;
+  return isAllowed ? `${setting.documentation} The slider goes from ${least} to ${most}; other numbers can be typed.` : undefined;
+}
+
 /** The next of 1, 2, 5 times a power of ten. */
 export function roundUp(value: number): number {
   const power = 10 ** Math.floor(Math.log10(value));
@@ -228,7 +234,7 @@ export class Controls {
     const range = rangeOf(setting, value);
     const id = `setting-${setting.key.replaceAll(/[^a-z0-9_]/g, "-")}`;
     const name = nameOf(setting.key);
-    const slider = element("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": name });
+    const slider = element("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": name, title: beyond(setting, range) });
     const number = element("input", { type: "number", id, step: "any", title: setting.unit });
     const say = (): void => {
       slider.setAttribute("aria-valuetext", number.value);

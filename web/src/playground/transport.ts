@@ -2,13 +2,17 @@ import { element, grouped, iconButton, icon } from "../page/dom.ts";
 import { shortNumber } from "../drawing/overlay.ts";
 import type { EngineFrame } from "../engine/engine_client.ts";
 
+/** What is shown of a moment of a run. */
+export type Moment = Pick<EngineFrame, "step" | "time" | "count" | "isRunning" | "isFinished" | "stepsPerSecond" | "stateHash">;
+
 /** What the keys of a run do. */
 export interface TransportTarget {
   toggle(): void;
   step(): void;
-  rewind(): void;
+  /** Absent where nothing is kept to go back to; then there is no line of time either. */
+  rewind?(): void;
   restart(): void;
-  goTo(step: number): void;
+  goTo?(step: number): void;
   setSpeed(stepsPerSecond: number | undefined): void;
   copyHash(): void;
 }
@@ -49,10 +53,10 @@ export class Transport {
   ) {
     this.toggle = iconButton("run", "Run", () => target.toggle(), "Run (space)");
     this.toggle.classList.add("primary");
-    this.rewind = iconButton("rewind", "Rewind", () => target.rewind(), "Rewind by a second of watching (,)");
+    this.rewind = iconButton("rewind", "Rewind", () => target.rewind?.(), "Rewind by a second of watching (,)");
     this.step = iconButton("step", "Single step", () => target.step(), "Single step (.)");
     const restart = iconButton("restart", "Restart", () => target.restart(), "Restart (r)");
-    this.timeline.addEventListener("change", () => target.goTo(Number(this.timeline.value)));
+    this.timeline.addEventListener("change", () => target.goTo?.(Number(this.timeline.value)));
     this.pace.addEventListener("input", () => {
       this.showSpeed();
       target.setSpeed(this.stepsPerSecond);
@@ -67,6 +71,8 @@ export class Transport {
       this.step,
       speed,
     );
+    this.timeline.hidden = target.goTo === undefined;
+    this.rewind.hidden = target.rewind === undefined;
     this.element = element("div", { class: "transport" }, this.timeline, this.statusLine(tools), keys);
     this.stepsPerSecond = USUAL_SPEED;
   }
@@ -87,7 +93,7 @@ export class Transport {
     this.furthest = 0;
   }
 
-  show(frame: EngineFrame, agentsName: string): void {
+  show(frame: Moment, agentsName: string): void {
     this.furthest = Math.max(this.furthest, frame.step);
     if (document.activeElement !== this.timeline || !this.timeline.matches(":active")) {
       this.timeline.max = String(Math.max(1, this.furthest));
@@ -111,7 +117,7 @@ export class Transport {
     this.showToggle(frame);
   }
 
-  private showToggle(frame: EngineFrame): void {
+  private showToggle(frame: Moment): void {
     if (frame.isRunning === this.isRunning && this.toggle.dataset["shown"] === String(frame.isFinished)) return;
     this.isRunning = frame.isRunning;
     this.toggle.dataset["shown"] = String(frame.isFinished);

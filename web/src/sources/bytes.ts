@@ -42,13 +42,15 @@ export class ServedBytes implements Bytes {
   }
 }
 
-/** Asks the server. Rejects with SourceError, with the words of the server where it says any. */
-export async function request(address: string, options: RequestInit = {}): Promise<Response> {
+export const NO_ANSWER = "The server does not answer.";
+
+/** Asks the server. Rejects with SourceError, with the words of the server where it says any, and with `hint` where it says nothing. */
+export async function request(address: string, options: RequestInit = {}, hint = "Is gridlock view still running?"): Promise<Response> {
   let answer: Response;
   try {
     answer = await fetch(address, options);
   } catch {
-    throw new SourceError("The server does not answer.", "Is gridlock view still running?");
+    throw new SourceError(NO_ANSWER, hint);
   }
   if (answer.ok) return answer;
   let said: { error?: string; hint?: string } = {};

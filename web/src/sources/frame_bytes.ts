@@ -11,7 +11,7 @@ interface Head {
 }
 
 const TYPES: Readonly<Record<string, new (buffer: ArrayBuffer, offset: number, length: number) => Numbers>> = {
-  float64: Float64Array, int32: Int32Array, uint32: Uint32Array, uint64: BigUint64Array,
+  float64: Float64Array, float32: Float32Array, int32: Int32Array, uint32: Uint32Array, uint64: BigUint64Array,
 };
 
 /** A frame as gridlock view sends it: the length of a JSON text, the text, and the columns where it says. */

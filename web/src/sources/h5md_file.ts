@@ -1,7 +1,6 @@
 import type { Dataset, File, Group } from "h5wasm";
 
-import type { Field } from "../drawing/field_picture.ts";
-import type { Box, Numbers } from "../drawing/frame.ts";
+import type { Box, Field, Numbers } from "../drawing/frame.ts";
 import { wallsIn } from "../drawing/walls.ts";
 import { SourceError, type Description, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
 import type { FrameReader } from "./source_worker.ts";

@@ -1,7 +1,6 @@
 /** Where frames come from: a run that is served, or a file that was dropped on the page. */
 
-import type { Field } from "../drawing/field_picture.ts";
-import type { Box, Numbers } from "../drawing/frame.ts";
+import type { Box, Field, Numbers } from "../drawing/frame.ts";
 import type { Wall } from "../drawing/walls.ts";
 
 /** A quantity with a value at some of the times: an observable, or a column of series.csv. */

@@ -3,7 +3,8 @@ import { RunCharts } from "../charts/run_charts.ts";
 import { Series } from "../charts/series.ts";
 import { Drawing } from "../drawing/drawing.ts";
 import { download, videoEnding } from "../drawing/export.ts";
-import { rangeOfField, type FieldRange } from "../drawing/field_picture.ts";
+import { rangeOfField } from "../drawing/field_layer.ts";
+import type { FieldRange, Frame } from "../drawing/frame.ts";
 import { element, iconButton, select, setOptions, words } from "../page/dom.ts";
 import { menu, type MenuItem } from "../page/menu.ts";
 import { copy, notice } from "../page/notices.ts";
@@ -230,8 +231,7 @@ export class Viewer {
 
   private draw(frame: SourceFrame, first: SourceFrame | undefined): void {
     const { agents, valueNames } = (this.source as FrameSource).description;
-    this.drawField(frame);
-    this.drawing.show(toDrawn(frame), colouringOf(frame, this.chosenColour, this.range, first, valueNames));
+    this.drawing.show({ ...toDrawn(frame), ...this.fieldOf(frame) }, colouringOf(frame, this.chosenColour, this.range, first, valueNames));
     this.drawing.describe(`${frame.ids.length} ${agents} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
       "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.");
     this.film.show(frame, agents);
@@ -239,11 +239,11 @@ export class Viewer {
     this.showOverlay();
   }
 
-  private drawField(frame: SourceFrame): void {
+  private fieldOf(frame: SourceFrame): Pick<Frame, "field"> {
     const field = frame.fields?.[this.field.value];
-    if (field === undefined) return this.drawing.setField();
+    if (field === undefined) return {};
     this.fieldRange = rangeOfField(field, this.fieldRange);
-    this.drawing.setField(field, this.fieldRange);
+    return { field: { ...field, ...this.fieldRange } };
   }
 
   /** The first field of a source is drawn until another is chosen. */

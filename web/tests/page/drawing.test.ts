@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 
 import { Camera } from "../../src/drawing/camera.ts";
 import { neighbourhoodColour, paint, rangeOf } from "../../src/drawing/colouring.ts";
-import { pixelsOfField, rangeOfField } from "../../src/drawing/field_picture.ts";
+import { rangeOfField } from "../../src/drawing/field_layer.ts";
 import { markRadius, type Frame } from "../../src/drawing/frame.ts";
 import { contactLines, contactWidths, shortNumber, ticks } from "../../src/drawing/overlay.ts";
 import { PackedAgents } from "../../src/drawing/packed_agents.ts";
@@ -22,23 +22,10 @@ import { LIGHT } from "../../src/drawing/overlay.ts";
 import { wallsIn } from "../../src/drawing/walls.ts";
 
 describe("A field", () => {
-  const field = { columns: 2, rows: 2, values: Float64Array.from([0, 1, NaN, 2]) };
-
-  test("goes from white to dark green, its first row at the bottom", () => {
-    const pixels = pixelsOfField(field, rangeOfField(field));
-    const cells = [0, 4, 8, 12].map((at) => [...pixels.slice(at, at + 4)]);
-    expect(cells).toEqual([[191, 191, 191, 255], [0, 105, 56, 255], [255, 255, 255, 255], [173, 222, 143, 255]]);
-  });
-
   test("has a range from 0 or below that covers those before it", () => {
     const range = rangeOfField({ columns: 1, rows: 1, values: Int32Array.from([3]) });
     expect(range).toEqual({ least: 0, most: 3 });
     expect(rangeOfField({ columns: 2, rows: 1, values: BigInt64Array.from([-1n, 2n]) }, range)).toEqual({ least: -1, most: 3 });
-  });
-
-  test("of one value everywhere is white", () => {
-    const flat = { columns: 1, rows: 1, values: Float32Array.from([0]) };
-    expect([...pixelsOfField(flat, rangeOfField(flat))]).toEqual([255, 255, 255, 255]);
   });
 });
 

@@ -53,17 +53,12 @@ export class Workplace {
 
   /** gridlock view of a path; the address. */
   async view(path: string, ...options: string[]): Promise<string> {
-    const viewer = this.begin(["view", path, "--no-open", "--page", builtPage(), ...options]);
-    let printed = "";
-    return new Promise((resolve, reject) => {
-      viewer.stdout?.on("data", (text: Buffer) => {
-        printed += String(text);
-        const address = /http:\/\/127\.0\.0\.1:\d+\//.exec(printed)?.[0];
-        if (address !== undefined) resolve(address);
-      });
-      viewer.stderr?.on("data", (text: Buffer) => { printed += String(text); });
-      viewer.on("exit", () => reject(new Error(`gridlock view ended: ${printed}`)));
-    });
+    return addressOf(this.begin(["view", path, "--no-open", "--page", builtPage(), ...options]));
+  }
+
+  /** gridlock show of a file with a model in Python; the address. */
+  async show(file: string, ...options: string[]): Promise<string> {
+    return addressOf(this.begin(["show", file, "--no-open", ...options]));
   }
 
   async end(): Promise<void> {
@@ -75,6 +70,20 @@ export class Workplace {
     }));
     rmSync(this.path, { recursive: true, force: true });
   }
+}
+
+/** The address that a server prints at its start. */
+function addressOf(server: ChildProcess): Promise<string> {
+  let printed = "";
+  return new Promise((resolve, reject) => {
+    server.stdout?.on("data", (text: Buffer) => {
+      printed += String(text);
+      const address = /http:\/\/127\.0\.0\.1:\d+\/\S*/.exec(printed)?.[0];
+      if (address !== undefined) resolve(address);
+    });
+    server.stderr?.on("data", (text: Buffer) => { printed += String(text); });
+    server.on("exit", () => reject(new Error(`${server.spawnargs.join(" ")} ended: ${printed}`)));
+  });
 }
 
 export const SMALL_RUN = `disks.count = 60
