@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 #: Seconds of steps between two looks at what is asked for.
 CHUNK = 0.015
-#: A frame costs no more than this share of the time of the model, and a reading of the series a smaller one.
-SHARE_OF_FRAMES, SHARE_OF_SERIES = 0.08, 0.02
+#: A running model makes no more frames a second; frames, and readings of the series, cost no more than these shares of its time.
+MOST_FRAMES, SHARE_OF_FRAMES, SHARE_OF_SERIES = 45, 0.05, 0.02
 #: Seconds between two readings of the series.
 SERIES_PAUSE = 0.2
 #: Seconds without any page until a run pauses: browsers let hidden pages ask once a minute.
@@ -172,14 +172,14 @@ class Live:
                     self._look()
                 if self._is_closed:
                     break
-                commands, wants_frame = list(self._commands), self._wants_frame()
+                commands = list(self._commands)
                 self._commands.clear()
             for command, answer in commands:
                 _answer(command, answer)
+            if self._wants_frame():
+                self._show()
             if self._due():
                 self._advance(self._due())
-            if wants_frame and not commands:
-                self._show()
         for _, answer in self._commands:
             answer.set_exception(Error("this model is shown no more\n  hint: show it again"))
 
@@ -281,7 +281,7 @@ class Live:
 
     def _show(self) -> None:
         """Makes a frame with all columns that anybody waits for."""
-        began = time.perf_counter()
+        began = time.thread_time()
         with self._changed:
             wanted = frozenset[str]().union(*self._wishes.values())
         simulation = self._simulation
@@ -306,16 +306,17 @@ class Live:
         with self._changed:
             self._frame = LiveFrame(self._version, time.monotonic(), head, shown, layers, self._series)
             self._changed.notify_all()
-        self._next_frame = time.monotonic() + ((time.perf_counter() - began) / SHARE_OF_FRAMES if self._is_running else 0.0)
+        pause = max(1 / MOST_FRAMES, (time.thread_time() - began) / SHARE_OF_FRAMES)
+        self._next_frame = time.monotonic() + (pause if self._is_running else 0.0)
 
     def _read_series(self) -> None:
         now = time.monotonic()
         if self._is_running and now < self._next_series:
             return
-        began = time.perf_counter()
+        began = time.thread_time()
         columns = self._simulation._core.series()
         self._series = np.column_stack([np.asarray(values, dtype=np.float64) for values in columns.values()]) if columns else np.empty((0, 0))
-        self._next_series = now + max(SERIES_PAUSE, (time.perf_counter() - began) / SHARE_OF_SERIES)
+        self._next_series = now + max(SERIES_PAUSE, (time.thread_time() - began) / SHARE_OF_SERIES)
 
     def _pace(self) -> float:
         """Steps a second of late."""

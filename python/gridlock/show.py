@@ -70,6 +70,12 @@ class Shown:
         if not has_ended:
             raise Error("the model does not come to the end of its step\n  hint: it ends with this process")
 
+    def __enter__(self) -> Shown:
+        return self
+
+    def __exit__(self, *parts: object) -> None:
+        self.close()
+
     def __repr__(self) -> str:
         return f"<gridlock.Shown {'closed' if self._is_closed.is_set() else 'at ' + self.url}>"
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 import urllib.parse
 
 import numpy as np
@@ -293,6 +294,20 @@ def test_a_step_without_end_is_told_and_hangs_nobody(page_folder, monkeypatch):
     with pytest.raises(gridlock.Error, match="does not come to the end of its step"):
         one.close()
     end.set()
+
+
+def test_a_notebook_gets_the_page_in_its_cell_and_a_script_waits(page_folder, monkeypatch):
+    cells, waits = [], []
+    display = types.SimpleNamespace(IFrame=lambda *parts: parts, display=cells.append)
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
+    monkeypatch.setattr(gridlock.Shown, "wait", lambda self: waits.append(self))
+    monkeypatch.setattr(show_module, "_is_in_notebook", lambda: True)
+    with gridlock.show(Drifters, height=500) as one:
+        assert cells == [(one.url, "100%", 500)] and waits == []
+    monkeypatch.setattr(show_module, "_is_in_notebook", lambda: False)
+    monkeypatch.setattr(show_module, "_is_at_prompt", lambda: False)
+    with gridlock.show(Drifters) as one:
+        assert waits == [one] and len(cells) == 1
 
 
 def test_settings_and_files_are_shown_too(page_folder, tmp_path):

@@ -2,6 +2,7 @@
 // tested in python/tests.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -94,14 +95,15 @@ TEST_F(DrawnByAnother, RunNeedsItsLastState) {
 }
 
 TEST_F(DrawnByAnother, CommandThatIsMissingSaysWhatToInstall) {
-  for (std::string const command : {"plot", "paper", "jam", "melt"}) {
+  for (auto const& [command, parts] : std::map<std::string, std::string>{
+           {"plot", "[plots]"}, {"show", ""}, {"paper", "[paper]"}, {"jam", "[paper]"}, {"melt", "[paper]"}}) {
     for (std::vector<std::string> const& words :
          {std::vector<std::string>{command}, {command, "--help"}, {"help", command}}) {
       Outcome const outcome = run(words);
       EXPECT_EQ(outcome.exit_code, 2);
       EXPECT_EQ(outcome.err, "error: the program gridlock-" + command +
-                                 " is not installed\n  hint: it comes with the Python package: pip install \".[" +
-                                 (command == "plot" ? "plots" : "paper") + "]\" in the sources of Gridlock\n");
+                                 " is not installed\n  hint: it comes with the Python package: pip install \"." + parts +
+                                 "\" in the sources of Gridlock\n");
     }
   }
   std::string const help = run({"--help"}).out;
