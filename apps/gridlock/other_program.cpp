@@ -84,7 +84,9 @@ std::vector<std::string> other_programs() {
 
 std::string python_package(std::string_view command) {
   return fmt::format("it comes with the Python package: pip install \".{}\" in the sources of Gridlock",
-                     command == "plot" ? "[plots]" : command == "show" ? "" : "[paper]");
+                     command == "plot"   ? "[plots]"
+                     : command == "show" ? ""
+                                         : "[paper]");
 }
 
 void become(fs::path const& program, std::vector<std::string> const& arguments) {

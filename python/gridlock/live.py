@@ -106,7 +106,7 @@ class Live:
         """Begins anew with another value of a setting, and runs on where it ran. Errors: Error; then the run before stays."""
         setting = next((one for one in self.settings if one.key == key), None)
         if setting is None:
-            raise Error(f"there is no setting {key!r} to change\n  hint: it has {', '.join(one.key for one in self.settings[:5])} …")
+            raise Error(f"there is no setting {key!r} to change\n  hint: reload the page")
         value = setting.read(text)
         self._do(lambda: self._renew({**self._overrides, key: value}))
 
@@ -133,11 +133,6 @@ class Live:
     def about(self) -> dict[str, Any]:
         """What is known of a run before its first step."""
         return self._about
-
-    @property
-    def problem(self) -> str:
-        """What has broken the run; empty where nothing has."""
-        return self._problem
 
     def close(self) -> bool:
         """Ends the thread at the end of its step; whether it has ended."""
@@ -205,10 +200,7 @@ class Live:
         return max(0.0005, min(until))
 
     def _look(self) -> None:
-        """Pauses where nobody looks, and sees what its user has done with a simulation that is paused."""
-        if self._is_running and not self._wishes and time.monotonic() > self._asked + PATIENCE:
-            self._is_running = False
-            self._version += 1
+        """Sees what its user has done with a simulation that is paused."""
         if self._is_running or not self._wishes:
             return
         try:
@@ -256,6 +248,8 @@ class Live:
         self._step = self._simulation.clock.step
         self._paces.append((time.monotonic(), self._step))
         self._version += 1
+        if not self._wishes and time.monotonic() > self._asked + PATIENCE:
+            self._is_running = False  # nobody looks
 
     def _renew(self, overrides: dict[str, Any]) -> None:
         try:

@@ -216,9 +216,10 @@ def test_nothing_is_made_where_no_page_asks(shown):
     assert shown._live._frame.version == before and shown.simulation.clock.step > 0
 
 
-def test_a_run_that_nobody_looks_at_pauses(shown, monkeypatch):
+@pytest.mark.parametrize("speed", [None, 100])
+def test_a_run_that_nobody_looks_at_pauses(shown, monkeypatch, speed):
     monkeypatch.setattr(gridlock.live, "PATIENCE", 0.05)
-    Page(shown.url).tell("run", stepsPerSecond=100)
+    Page(shown.url).tell("run", stepsPerSecond=speed)
     end = time.monotonic() + 5
     while shown._live._is_running and time.monotonic() < end:
         time.sleep(0.02)

@@ -102,8 +102,8 @@ TEST_F(DrawnByAnother, CommandThatIsMissingSaysWhatToInstall) {
       Outcome const outcome = run(words);
       EXPECT_EQ(outcome.exit_code, 2);
       EXPECT_EQ(outcome.err, "error: the program gridlock-" + command +
-                                 " is not installed\n  hint: it comes with the Python package: pip install \"." + parts +
-                                 "\" in the sources of Gridlock\n");
+                                 " is not installed\n  hint: it comes with the Python package: pip install \"." +
+                                 parts + "\" in the sources of Gridlock\n");
     }
   }
   std::string const help = run({"--help"}).out;
