@@ -32,6 +32,9 @@ def test_the_page_is_found_from_where_the_package_is(
     assert gridlock.playground.find_page() is None
     expected = _put_page(tmp_path / page)
     assert gridlock.playground.find_page() == expected
+    assert gridlock.playground.find_folder() is None
+    (tmp_path / page / "index.html").touch()
+    assert gridlock.playground.find_folder() == os.fspath(tmp_path / page)
 
 
 def test_the_page_is_found_beside_a_program_that_was_installed_elsewhere(

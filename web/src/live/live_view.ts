@@ -307,10 +307,13 @@ export class LiveView {
   }
 }
 
-/** The next picture of the browser; of a page that nobody sees, a second. */
+/** The next picture of the browser; of a page that nobody sees, which has none, a second. */
 function nextPicture(): Promise<void> {
   return new Promise((resolve) => {
-    if (document.hidden) setTimeout(resolve, HIDDEN_MILLISECONDS);
-    else requestAnimationFrame(() => resolve());
+    const late = setTimeout(resolve, HIDDEN_MILLISECONDS);
+    requestAnimationFrame(() => {
+      clearTimeout(late);
+      resolve();
+    });
   });
 }

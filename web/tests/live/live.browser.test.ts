@@ -4,7 +4,7 @@ import { writeFileSync } from "node:fs";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, expect, test } from "vitest";
 
-import { openWatched, startBrowser } from "../support/browser.ts";
+import { findings, openWatched, startBrowser } from "../support/browser.ts";
 import { Workplace } from "../viewer/runs.ts";
 
 const MODEL = `
@@ -32,7 +32,7 @@ class Herd(gridlock.Model):
         if self.breaks:
             raise ValueError("no grass is left")
         world.move(self.length * world.normal(2))
-        world.mood[...] = world.take("grass", 0.1) > 0.05
+        world.mood[...] = (world.take("grass", 0.004) > 0) & (world.uniform(purpose=1) < 0.5)
 
     def observe(self, world):
         return {"hungry": np.sum(world.mood == 0), "full": np.sum(world.mood == 1), "eaten": 400 - world.grass.sum()}
@@ -80,6 +80,7 @@ test("the page shows the model at its start, with its name, its settings and its
   expect(await page.locator(".chart h3").allInnerTexts()).toEqual(["Sheep by mood", "Eaten"]);
   expect(await page.getByRole("combobox", { name: "Colour by" }).inputValue()).toBe("mood");
   expect(await page.getByRole("combobox", { name: "Field beneath" }).inputValue()).toBe("grass");
+  expect(await findings(page)).toEqual([]);
 });
 
 test("it runs, with agents over grass that is eaten and curves in one chart, and pauses with a hash", async () => {

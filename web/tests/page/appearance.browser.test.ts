@@ -1,13 +1,12 @@
 import { readdirSync, readFileSync, statSync } from "node:fs";
 import type { Server } from "node:http";
-import { createRequire } from "node:module";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 
 import type { Browser, BrowserContextOptions, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
-import { openWatched, PAGE_FOLDER, servePage, startBrowser } from "../support/browser.ts";
+import { findings, openWatched, PAGE_FOLDER, servePage, startBrowser } from "../support/browser.ts";
 import { differenceFromReference, reference, shareOfDifferences } from "../support/pictures.ts";
 import { PlaygroundDriver } from "./driver.ts";
 
@@ -119,25 +118,6 @@ describe("pictures are those of the references", () => {
 });
 
 describe("nobody is left out", () => {
-  const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-  const findings = async (page: Page): Promise<string[]> => {
-    await page.evaluate(axe);
-    const result = await page.evaluate(() =>
-      (
-        globalThis as unknown as {
-          axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> };
-        }
-      ).axe.run(),
-    );
-    return result.violations.map(
-      (one) =>
-        `${one.impact} ${one.id}: ${one.nodes
-          .map((node) => node.html)
-          .join(" ")
-          .slice(0, 300)}`,
-    );
-  };
-
   for (const [name, options] of [
     ["light", DESKTOP],
     ["dark", { ...DESKTOP, colorScheme: "dark" }],

@@ -1,7 +1,8 @@
 /** The built page in Debian's Chromium, served from this machine. */
 
-import { createReadStream, existsSync, statSync } from "node:fs";
+import { createReadStream, existsSync, readFileSync, statSync } from "node:fs";
 import { createServer, type Server } from "node:http";
+import { createRequire } from "node:module";
 import type { AddressInfo } from "node:net";
 import { extname, join, normalize } from "node:path";
 
@@ -90,4 +91,23 @@ export async function openWatched(browser: Browser, address: string, options: Br
   });
   await page.goto(address);
   return { page, complaints, foreign };
+}
+
+/** What axe-core finds wrong for people who cannot see, hear or move as others do. */
+export async function findings(page: Page): Promise<string[]> {
+  await page.evaluate(readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
+  const result = await page.evaluate(() =>
+    (
+      globalThis as unknown as {
+        axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> };
+      }
+    ).axe.run(),
+  );
+  return result.violations.map(
+    (one) =>
+      `${one.impact} ${one.id}: ${one.nodes
+        .map((node) => node.html)
+        .join(" ")
+        .slice(0, 300)}`,
+  );
 }
