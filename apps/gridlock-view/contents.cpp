@@ -70,7 +70,8 @@ Kind kind_of(fs::path const& path) {
     throw Error(
         {.what = fmt::format("there is no {}{}", path.string(),
                              error && error != std::errc::no_such_file_or_directory ? ": " + error.message() : ""),
-         .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});
+         .hint = "name the directory of a run or sweep, or an .h5 or .xyz file; gridlock show shows models and "
+                 "settings"});
   }
   if (fs::is_directory(status)) {
     if (is_there(path / "plan.json") || is_own_directory(path / "runs")) return Kind::sweep;
@@ -83,7 +84,8 @@ Kind kind_of(fs::path const& path) {
     throw wrong_format(*format, path.string(), "a trajectory in H5MD or extended XYZ");
   if (fs::is_regular_file(status) && (is_trajectory(path) || is_xyz(path))) return Kind::file;
   throw Error({.what = fmt::format("{} cannot be shown", path.string()),
-               .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});
+               .hint = "name the directory of a run or sweep, or an .h5 or .xyz file; gridlock show shows models and "
+                       "settings"});
 }
 
 /// Returns whether a path is equal to a directory or inside it. Both must be free of links.
