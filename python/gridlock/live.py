@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 #: Seconds of steps between two looks at what is asked for.
-CHUNK = 0.015
+CHUNK = 0.01
+#: Seconds that a thread which waits for a frame has to take it at once, and not when the model next lets other threads run.
+HANDOVER = 0.002
 #: A running model makes no more frames a second; frames, and readings of the series, cost no more than these shares of its time.
-MOST_FRAMES, SHARE_OF_FRAMES, SHARE_OF_SERIES = 45, 0.05, 0.02
+MOST_FRAMES, SHARE_OF_FRAMES, SHARE_OF_SERIES = 50, 0.05, 0.02
 #: Seconds between two readings of the series.
 SERIES_PAUSE = 0.2
 #: Seconds without any page until a run pauses: browsers let hidden pages ask once a minute.
@@ -128,6 +130,7 @@ class Live:
                         return None
             finally:
                 del self._wishes[number]
+                self._changed.notify_all()
         raise Error("this model is shown no more\n  hint: show it again")
 
     def about(self) -> dict[str, Any]:
@@ -300,6 +303,7 @@ class Live:
         with self._changed:
             self._frame = LiveFrame(self._version, time.monotonic(), head, shown, layers, self._series)
             self._changed.notify_all()
+            self._changed.wait_for(lambda: not self._wishes, HANDOVER)
         pause = max(1 / MOST_FRAMES, (time.thread_time() - began) / SHARE_OF_FRAMES)
         self._next_frame = time.monotonic() + (pause if self._is_running else 0.0)
 
