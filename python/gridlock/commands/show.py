@@ -100,6 +100,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         return _show(options)
+    except KeyboardInterrupt:
+        return 130  # before anything is shown
     except Error as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

@@ -10,8 +10,9 @@ const root = resolve(import.meta.dirname, "../../..");
 /** The native program: these tests are about what it writes and serves. Throws Error where it is not built. */
 export function program(): string {
   const places = [process.env["GRIDLOCK_PROGRAM"], join(root, "build/apps/gridlock/gridlock"), join(root, "build-program/apps/gridlock/gridlock")];
-  const found = places.find((place) => place !== undefined && existsSync(place) && existsSync(join(place, "../gridlock-view")));
-  if (found === undefined) throw new Error("gridlock and gridlock-view are not built: ./dev build, or name the program in GRIDLOCK_PROGRAM");
+  const isWhole = (place: string): boolean => ["gridlock", "gridlock-view", "gridlock-show"].every((name) => existsSync(join(place, "..", name)));
+  const found = places.find((place) => place !== undefined && isWhole(place));
+  if (found === undefined) throw new Error("gridlock, gridlock-view and gridlock-show are not built: ./dev build, or name the program in GRIDLOCK_PROGRAM");
   return found;
 }
 
