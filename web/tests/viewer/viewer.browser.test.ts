@@ -461,6 +461,28 @@ describe("A file on the static page", () => {
     expect(await page.locator(".viewer .chart").count()).toBeGreaterThanOrEqual(2);
   });
 
+  test("of a model with fields has one beneath its agents, or none", async () => {
+    await ready;
+    const file = new Hdf5File(place.of("fields.h5"), "w");
+    for (const group of ["particles", "particles/all", "particles/all/position", "fields", "fields/grass"]) file.create_group(group);
+    file.create_dataset({ name: "particles/all/position/value", data: new Float64Array([0, 0, 1, 1]), shape: [1, 2, 2] });
+    file.create_dataset({ name: "fields/grass/value", data: new Float64Array([0, 1, 2, 3]), shape: [1, 2, 2] });
+    file.close();
+    await page.goto(staticPage);
+    await viewerTab();
+    await choose(place.of("fields.h5"));
+    const chosen = page.getByRole("combobox", { name: "Field beneath" });
+    const canvases = page.locator(".viewer .picture canvas");
+    await expect.poll(() => canvases.count()).toBe(3);
+    const upperRight = await canvases.first().evaluate((canvas: HTMLCanvasElement) => {
+      const context = canvas.getContext("2d") as CanvasRenderingContext2D;
+      return [...context.getImageData(0.6 * canvas.width, 0.3 * canvas.height, 1, 1).data];
+    });
+    expect(upperRight).toEqual([0, 105, 56, 255]);
+    await chosen.selectOption("");
+    await expect.poll(() => canvases.count()).toBe(2);
+  });
+
   test("is shown by the page that is one file on a disk", async () => {
     await page.goto(pathToFileURL(join(builtPage(), "playground.html")).href);
     await viewerTab();
