@@ -66,9 +66,10 @@ bool AgentTable::has_kinds_in_order() const {
   return true;
 }
 
-void AgentTable::add(std::size_t kind, std::span<double const> x, std::span<double const> y,
-                     std::vector<ColumnValues> const& others) {
-  for (std::size_t k = 0; k < x.size(); ++k) places_.add(x[k], y[k]);
+std::vector<Id> AgentTable::add(std::size_t kind, std::span<double const> x, std::span<double const> y,
+                                std::vector<ColumnValues> const& others) {
+  std::vector<Id> ids(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) ids[k] = places_.add(x[k], y[k]);
   for (std::size_t k = 0; k < others_.size(); ++k) {
     if (!others_[k].is_of(kind)) continue;
     std::visit(
@@ -88,6 +89,7 @@ void AgentTable::add(std::size_t kind, std::span<double const> x, std::span<doub
     std::rotate(own, rows.end() - static_cast<std::ptrdiff_t>(x.size()), rows.end());
     reorder_places(rows);
   }
+  return ids;
 }
 
 void AgentTable::remove(std::span<Id const> ids) {

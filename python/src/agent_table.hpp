@@ -80,8 +80,9 @@ class AgentTable {
 
   /// Adds agents of a kind. For x, y and each other column that the kind has it takes an array of equal length and of
   /// the column's type; other arrays are empty, and that of `kind` is not used.
-  void add(std::size_t kind, std::span<double const> x, std::span<double const> y,
-           std::vector<ColumnValues> const& others);
+  /// Returns their Ids.
+  std::vector<Id> add(std::size_t kind, std::span<double const> x, std::span<double const> y,
+                      std::vector<ColumnValues> const& others);
   /// Removes the agents with these Ids, in this order.
   void remove(std::span<Id const> ids);
   /// Moves the agent of row rows[k] to row k, but agents of several kinds behind those of the kinds before theirs.

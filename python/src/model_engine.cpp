@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <iterator>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -130,19 +129,13 @@ void PythonModelEngine::apply(World<TableModel>& world, ModelWorld const& asked)
   std::vector<Id> const deaths = asked.deaths();
   std::vector<Id> ids;  // of the agents before the step, and of newborn ones
   if (!asked.edges_of_newborn().empty()) ids.assign(world.agents.ids().begin(), world.agents.ids().end());
-  Id const last_id = ids.empty() ? 0 : std::ranges::max(ids);
-  bool const had_agents = !ids.empty();
   world.agents.remove(deaths);
-  for (NewAgents const& born : asked.births()) world.agents.add(born.kind, born.x, born.y, born.others);
-  for (Network& network : world.networks) network.remove_agents(deaths);
-  if (!asked.edges_of_newborn().empty()) {
-    // Ids grow, so the newborn have the largest ones, in the order in which they were added.
-    auto const first = static_cast<std::ptrdiff_t>(ids.size());
-    std::ranges::copy_if(world.agents.ids(), std::back_inserter(ids),
-                         [&](Id id) { return !had_agents || id > last_id; });
-    std::sort(ids.begin() + first, ids.end());
-    connect_newborn(world, asked.edges_of_newborn(), ids);
+  for (NewAgents const& born : asked.births()) {
+    std::vector<Id> const newborn = world.agents.add(born.kind, born.x, born.y, born.others);
+    ids.insert(ids.end(), newborn.begin(), newborn.end());
   }
+  for (Network& network : world.networks) network.remove_agents(deaths);
+  if (!asked.edges_of_newborn().empty()) connect_newborn(world, asked.edges_of_newborn(), ids);
   for (std::size_t k = 0; k < asked.events().size(); ++k) (*model_.events)[k] += asked.events()[k];
 }
 

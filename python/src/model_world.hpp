@@ -95,8 +95,6 @@ class ModelWorld {
   nb::object random_pairs(std::string const& name, std::string const& kind, double first, double second,
                           std::uint64_t purpose) const;
 
-  /// Returns `each` random numbers for each agent, or for each of `count` new agents, of shape (agents, each).
-  nb::object numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose, bool is_normal) const;
   /// Returns random numbers for the whole model in this step.
   nb::object numbers_of_step(std::size_t count) const;
 
