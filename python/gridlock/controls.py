@@ -63,8 +63,9 @@ def _controls(models: tuple[type[Model], ...]) -> list[Control]:
 
 
 def _control(key: str) -> Control:
-    _, documentation, kind = (line.strip() for line in _core.explain(key).splitlines()[:3])
-    kind = kind.partition("; default:")[0]
+    lines = [line.strip() for line in _core.explain(key).splitlines()[1:3]]
+    documentation = "" if "; default:" in lines[0] else lines.pop(0)
+    kind = lines[0].partition("; default:")[0]
     choices = re.findall(r'"([^"]*)"', kind) if kind.startswith("one of ") else []
     least, most = re.search(r"(at least|above) (\S+?)(?= and|$)", kind), re.search(r"(at most|below) (\S+)$", kind)
     unit = re.search(r", in (.*?)(?=, (?:at least|above|at most|below) |$)", kind)

@@ -41,7 +41,7 @@ class Drifters(gridlock.Model):
     count = gridlock.Setting(20, "Agents.", least=1, most=1000)
     length = gridlock.Setting(0.01, "A step.", unit="length", least=0.0)
     way = gridlock.Setting("east", "Where they drift.", choices=("east", "north"))
-    breaks = gridlock.Setting(False, "Whether a step raises.")
+    breaks = gridlock.Setting(False)
 
     def start(self, start):
         start.add(positions=start.anywhere(self.count), health=np.arange(self.count) % 2)
@@ -355,6 +355,7 @@ def test_every_setting_has_a_control_of_its_kind():
     assert (fraction.kind, fraction.least, fraction.most, fraction.leastIsAllowed, fraction.mostIsAllowed) == ("number", 0.0, 2.0, False, True)
     assert known["disks.count"].kind == "integer" and known["propulsion.speed"].unit == "length / time"
     assert known["thermostat.rate"].unit == "1 / time" and known["box.edge"].choices == ["wall", "periodic"]
+    assert (known["test_drifters.breaks"].kind, known["test_drifters.breaks"].documentation) == ("switch", "")
     assert {one.kind for one in known.values()} == {"number", "integer", "switch", "text", "choice"}
 
 
