@@ -81,8 +81,9 @@ struct ChainSums {
 /// Errors: RunFailure.
 [[noreturn]] void fail_without_end(std::uint64_t contacts);
 
-/// Carries out one chain of a length, or a duration, with `most` contacts at most. `ChainDisks` have the disks by number, move them and find
-/// contacts: CellsOfAnySize, NarrowCells. Inlined, so that it is compiled for the instructions of its caller.
+/// Carries out one chain of a length, or a duration, with `most` contacts at most. `ChainDisks` have the disks by
+/// number, move them and find contacts: CellsOfAnySize, NarrowCells. Inlined, so that it is compiled for the
+/// instructions of its caller.
 template <Way way, class ChainDisks>
 [[gnu::always_inline]] inline void carry_out(ChainDisks& disks, Number in_order, double rest, std::uint64_t most,
                                              ChainSums& sums) {

@@ -32,7 +32,8 @@ constexpr std::uint32_t empty = ~0U;  ///< no rough place: those of disks end at
 /// Single precision knows each coordinate of a separation to this, in contact distances: four units.
 constexpr float roughness = 4.5e-5F;
 
-/// Column and row of a cell, counted from those of the copies: in one number, which the next search has sooner than two.
+/// Column and row of a cell, counted from those of the copies: in one number, which the next search has sooner than
+/// two.
 class Cell {
  public:
   Cell() = default;
