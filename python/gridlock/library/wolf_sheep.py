@@ -28,7 +28,7 @@ class WolfSheep(gridlock.Model):
     The turns of a step are drawn at once: of the sheep in a cell the first one eats, and as many sheep as wolves are in a cell are eaten there.
     That is the same law, since no animal looks where it goes. The defaults are the small model of the public comparison
     (doi:10.5281/zenodo.8016506); its large one has ``side`` 100, 1000 ``sheep``, 500 ``wolves``, ``regrowth`` 10,
-    ``sheep_birth`` 0.4, ``wolf_birth`` 0.2. Without wolves the flock settles where its food grows: the energy eaten in a step is that
+    ``sheep_birth`` 0.4, ``wolf_birth`` 0.2. Without wolves the flock becomes as large as its food allows: the energy eaten in a step is that
     which walking costs, ``sheep_gain`` · meals = sheep, but for what the dead take with them, less than 1 each.
 
     Cost: about 0.5 µs an animal and step. Source: U. Wilensky (1997), ccl.northwestern.edu/netlogo/models/WolfSheepPredation.
