@@ -11,7 +11,7 @@ import pytest
 
 import gridlock
 import gridlock.library
-from gridlock.library import SIR, Ants, Boids, Flock, ForestFire, RandomOrganization, Schelling, WolfSheep
+from gridlock.library import SIR, Ants, Boids, Flock, ForestFire, RandomOrganization, Schelling, SIRNetwork, Voter, WolfSheep
 
 WALLS = {"box.edge": "wall"}
 PERIODIC = {"box.edge": "periodic"}
@@ -329,6 +329,65 @@ def test_ants_leave_their_scent_on_the_whole_way():
     assert bridge.clock.step in (41, 51, 61) and np.allclose(scent.sum(axis=0)[1:], 2.0) and ant.way[0] == 1
 
 
+def size_of_an_epidemic(susceptible, infected, infection, recovery, edge):
+    """The exact mean number of those who are ever infected, where each pair has an edge with a probability (Ball 1986, doi:10.2307/1427301)."""
+    lasts = np.arange(1, 2000)
+    chances = recovery * (1 - recovery) ** (lasts - 1.0)
+    spares = 1 - edge + edge * (1 - infection) ** lasts
+    spares_all = [np.sum(chances * spares**k) for k in range(susceptible + 1)]
+    sizes = []
+    for size in range(susceptible + 1):
+        known = sum(math.comb(susceptible - j, size - j) * sizes[j] / spares_all[susceptible - size] ** (infected + j) for j in range(size))
+        sizes.append((math.comb(susceptible, size) - known) * spares_all[susceptible - size] ** (infected + size))
+    assert math.isclose(sum(sizes), 1.0, rel_tol=1e-6) and min(sizes) > -1e-9
+    return infected + np.dot(range(susceptible + 1), sizes)
+
+
+@pytest.mark.parametrize("network, recovery", [("complete", 1.0), ("complete", 0.4), ("at random", 1.0), ("at random", 0.4)])
+def test_an_epidemic_on_a_network_is_as_large_as_ball_has_it(network, recovery):
+    count, degree = 20, 4
+    infection = 0.3 if network == "at random" else 0.07
+    model = SIRNetwork(count=count, network=network, degree=degree, infected_at_start=0.1, infection=infection, recovery=recovery)
+    sizes = ends({"model": model}, ["recovered"], steps=1000, seeds=100, until="infected == 0", every=4)[0]
+    require_mean(sizes, size_of_an_epidemic(18, 2, infection, recovery, degree / (count - 1) if network == "at random" else 1.0))
+
+
+@pytest.mark.parametrize("network", ["scale free", "small world"])
+def test_those_without_recovery_infect_all_whom_a_network_joins_to_them(network):
+    people = gridlock.Simulation(model=SIRNetwork(count=200, network=network, infection=1.0, recovery=0.0, infected_at_start=0.005))
+    edges, sick = people.frame.networks["contacts"].ids, people.frame.health == 1
+    for _ in range(3):
+        sick[edges[sick[edges].any(axis=1)]] = True
+        people.run(steps=1)
+        assert np.array_equal(people.frame.health == 1, sick) and 1 < sick.sum()
+
+
+@pytest.mark.parametrize("convinced", ["anyone", "oldest"])
+def test_voters_agree_on_an_opinion_as_often_as_its_weight_by_degrees(convinced):
+    model = Voter(count=20, network="scale free", degree=2, yes_at_start=0.2, convinced=convinced)
+    agreed, weight = ends({"model": model}, ["agreed", "weight"], steps=2000, seeds=120, until="disputes == 0", every=8,
+                          measure=lambda one: {"agreed": one.series["yes"][-1], "weight": one.series["weighted_yes"][0]})
+    assert set(agreed) == {0.0, 1.0} and (weight.mean() > 0.3) == (convinced == "oldest")
+    require_mean(agreed - weight, 0.0)
+
+
+@pytest.mark.parametrize("activity", [0.5, 1.0])
+def test_disputes_on_a_complete_network_fall_as_two_walkers_meet(activity):
+    count, steps = 30, 10
+    (disputes,) = ends({"model": Voter(count=count, network="complete", yes_at_start=0.5, activity=activity)}, ["disputes"], steps=steps, seeds=100)
+    meet = 2 * activity * (1 - activity) / (count - 1) + activity**2 * (count - 2) / (count - 1) ** 2
+    require_mean(disputes, (count / 2) / (count - 1) * (1 - meet) ** steps)
+
+
+def test_voters_copy_their_neighbours():
+    voters = gridlock.Simulation(model=Voter(count=100, network="small world", rewiring=0.0, degree=2, activity=1.0))
+    before = voters.frame.opinion.copy()
+    voters.run(steps=1)
+    left, right = np.roll(before, 1), np.roll(before, -1)
+    after = voters.frame.opinion
+    assert np.all((after == left) | (after == right)) and voters.counts["changes"] == np.count_nonzero(after != before) > 0
+
+
 MODELS = [getattr(gridlock.library, name) for name in gridlock.library.__all__]
 
 
@@ -364,6 +423,8 @@ REFUSED = {
     "a sky that is too small": ({"model": Boids, **PERIODIC}, "birds see and move as far as 6 in a box of 1 × 1"),
     "more agents than cells": ({"model": Schelling(count=2000), **WALLS}, "2000 agents have 1600 cells"),
     "more than certain": ({"model": SIR(infection_rate=50.0), **WALLS}, "infection_rate · time_step is 2.5, but is a probability"),
+    "an odd number of contacts": ({"model": SIRNetwork(degree=5)}, "each of 2000 people has 5 contacts"),
+    "more acquaintances than voters": ({"model": Voter(count=6)}, "each of 6 voters has 6 acquaintances"),
     "a density above 1": ({"model": ForestFire(density=1.5)}, "forest_fire.density"),
 }
 

@@ -18,6 +18,8 @@ from .forest_fire import ForestFire
 from .random_organization import RandomOrganization
 from .schelling import Schelling
 from .sir import SIR
+from .sir_network import SIRNetwork
+from .voter import Voter
 from .wolf_sheep import WolfSheep
 
-__all__ = ["SIR", "Ants", "Boids", "Flock", "ForestFire", "RandomOrganization", "Schelling", "WolfSheep"]
+__all__ = ["SIR", "Ants", "Boids", "Flock", "ForestFire", "RandomOrganization", "SIRNetwork", "Schelling", "Voter", "WolfSheep"]

@@ -31,6 +31,7 @@ class SIR(gridlock.Model):
     value_names = {"health": ("susceptible", "infected", "recovered")}
     events = ("infections", "recoveries")
     observations = {"susceptible": "Agents.", "infected": "Agents.", "recovered": "Agents."}
+    charts = {"Agents": ("susceptible", "infected", "recovered")}
 
     count = gridlock.Setting(2000, "Agents.", least=1)
     infected_at_start = gridlock.Setting(0.01, "Share of them.", least=0.0, most=1.0)

@@ -40,6 +40,7 @@ class WolfSheep(gridlock.Model):
     fields = {"bare": gridlock.Field("side", "Steps until the grass is grown; 0 where it is.")}
     events = ("meals_of_sheep", "meals_of_wolves", "lambs", "pups", "starved_sheep", "starved_wolves")
     observations = {"sheep": "Animals.", "wolves": "Animals.", "grass": "Share of cells with grown grass.", "energy_of_sheep": "Of all of them."}
+    charts = {"Animals": ("sheep", "wolves")}
 
     side = gridlock.Setting(25, "Cells along x.", least=2, most=5000)
     sheep = gridlock.Setting(60, "At the start.", least=0)
