@@ -1,5 +1,7 @@
 """Turns of single agents: the same bits with Numba and without, and the same rule as a step over arrays."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -125,3 +127,40 @@ def test_separations_of_turns_are_those_of_steps(edge, sides, monkeypatch):
     for name in ("pull_x", "pull_y"):
         assert np.allclose(by_steps.agents[name], by_turns.agents[name], rtol=0, atol=1e-12)
         assert abs(by_turns.agents[name]).max() > 0.1
+
+
+@turns.compiled
+def pass_on(order, share, money):
+    """Each gives a share to its neighbour on a ring, one after the other; returns how much in all."""
+    given = 0.0
+    for row in order:
+        gift = share * money[row]
+        money[row] -= gift
+        money[row - 1] += gift
+        given += gift
+    return given
+
+
+def test_a_compiled_loop_has_the_same_bits_without_numba(monkeypatch):
+    pytest.importorskip("numba")
+    order, money = np.array([3, 0, 2, 1]), np.array([0.1, 0.7, 1 / 3, 2.9])
+    ends = []
+    for is_there in (True, False):
+        turns._by_numba.cache_clear()
+        if not is_there:
+            monkeypatch.setitem(sys.modules, "numba", None)
+        own = money.copy()
+        ends.append((pass_on(order, 0.3, own), own.tolist()))
+    turns._by_numba.cache_clear()
+    assert ends[0] == ends[1] and not np.array_equal(own, money)
+    assert abs(own.sum() - money.sum()) < 1e-14
+
+
+def test_a_compiled_loop_leaves_arrays_that_are_read_only(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numba", None)
+    turns._by_numba.cache_clear()
+    order = np.array([1, 0])
+    order.flags.writeable = False
+    money = np.array([4.0, 2.0])
+    assert pass_on(order, 0.5, money) == 3.5 and money.tolist() == [2.5, 3.5]
+    turns._by_numba.cache_clear()

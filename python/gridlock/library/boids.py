@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 import gridlock
+from gridlock.turns import compiled
 
 
 @gridlock.register_model
@@ -52,38 +54,42 @@ class Boids(gridlock.Model):
     def step(self, world: gridlock.World) -> None:
         # While the others move, none comes from farther away than its speed.
         near = world.neighbors(self.radius + self.speed)
-        begins, rows = near.indptr.tolist(), near.indices.tolist()
-        x, y, u, v = (world[name].tolist() for name in ("x", "y", "heading_x", "heading_y"))
-        for row in np.argsort(world.uniform(), kind="stable").tolist():
-            self._turn(row, rows[begins[row] : begins[row + 1]], x, y, u, v, world.box)
-        heading = np.stack([u, v], axis=1)
-        world.move(self.speed * heading)
-        world.heading_x, world.heading_y = heading.T
+        x, y, u, v = (world[name].copy() for name in ("x", "y", "heading_x", "heading_y"))
+        factors = (self.cohesion_factor, self.separation_factor, self.alignment_factor)
+        order = np.argsort(world.uniform(), kind="stable")
+        _fly(order, near.indptr.astype(np.int64), near.indices, x, y, u, v, world.box.width, world.box.height, self.radius, self.speed, self.separation,
+             *factors)
+        world.move(self.speed * np.stack([u, v], axis=1))
+        world.heading_x, world.heading_y = u, v
 
-    def _turn(self, row: int, near: list[int], x: list[float], y: list[float], u: list[float], v: list[float], box: gridlock.Box) -> None:
-        width, height, seen, apart = box.width, box.height, self.radius**2, self.separation**2
+    def observe(self, world: gridlock.World) -> Mapping[str, float]:
+        return {"order": math.hypot(world.heading_x.mean(), world.heading_y.mean())}
+
+
+@compiled
+def _fly(order: Any, begins: Any, near: Any, x: Any, y: Any, u: Any, v: Any, width: float, height: float, radius: float, speed: float,
+         separation: float, cohere: float, separate: float, align: float) -> None:
+    for row in order:
         together_x = together_y = apart_x = apart_y = along_x = along_y = 0.0
         neighbors = 0
-        for other in near:
+        for place in range(begins[row], begins[row + 1]):
+            other = near[place]
             dx, dy = x[other] - x[row], y[other] - y[row]
             dx -= width * round(dx / width)
             dy -= height * round(dy / height)
             squared = dx * dx + dy * dy
-            if squared > seen:
+            if squared > radius * radius:
                 continue
             neighbors += 1
             together_x, together_y = together_x + dx, together_y + dy
             along_x, along_y = along_x + u[other], along_y + v[other]
-            if squared < apart:
+            if squared < separation * separation:
                 apart_x, apart_y = apart_x - dx, apart_y - dy
         share = 1 / max(neighbors, 1)
-        to_x = u[row] + share * (self.cohesion_factor * together_x + self.separation_factor * apart_x + self.alignment_factor * along_x)
-        to_y = v[row] + share * (self.cohesion_factor * together_y + self.separation_factor * apart_y + self.alignment_factor * along_y)
+        to_x = u[row] + share * (cohere * together_x + separate * apart_x + align * along_x)
+        to_y = v[row] + share * (cohere * together_y + separate * apart_y + align * along_y)
         length = math.sqrt(to_x * to_x + to_y * to_y)
         if length > 0:
             u[row], v[row] = to_x / length, to_y / length
-        x[row] = (x[row] + self.speed * u[row]) % width
-        y[row] = (y[row] + self.speed * v[row]) % height
-
-    def observe(self, world: gridlock.World) -> Mapping[str, float]:
-        return {"order": math.hypot(world.heading_x.mean(), world.heading_y.mean())}
+        x[row] = (x[row] + speed * u[row]) % width
+        y[row] = (y[row] + speed * v[row]) % height

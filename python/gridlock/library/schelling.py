@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import gridlock
+from gridlock.turns import compiled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,30 +55,14 @@ class Schelling(gridlock.Model):
         start.add(positions=_centres(homes, start.homes, start.box), group=group)
 
     def step(self, world: gridlock.World) -> None:
-        radius, wanted = self.radius, self.wanted
-        homes = np.pad(world.homes, radius)
-        width = homes.shape[1]
-        around = [row * width + column for row, column in _around(radius)]
-        near = [_near(homes, radius, group).ravel().tolist() for group in (1, 2)]
-        place = ((world.cells("homes")[0] + radius) * width + world.cells("homes")[1] + radius).tolist()
-        vacant = np.flatnonzero(np.pad(world.homes == 0, radius)).tolist()
-        group, random, moves = world.group.tolist(), world.uniform(purpose=1).tolist(), 0
-        for row in np.argsort(world.uniform(), kind="stable").tolist():
-            here, like = place[row], near[group[row]]
-            if like[here] >= wanted or not vacant:
-                continue
-            chosen = int(random[row] * len(vacant))
-            there = place[row] = vacant[chosen]
-            vacant[chosen] = here
-            for offset in around:
-                like[here + offset] -= 1
-                like[there + offset] += 1
-            moves += 1
-        rows, columns = np.divmod(np.array(place, dtype=np.int64), width)
-        cells = (rows - radius) * (width - 2 * radius) + columns - radius
-        world.homes[...] = 0
-        world.homes.flat[cells] = world.group + 1
-        world.positions[...] = _centres(cells, world.homes, world.box)
+        rows, columns = world.cells("homes")
+        height, width = world.homes.shape
+        homes = world.homes.ravel()
+        place = rows * width + columns
+        order = np.argsort(world.uniform(), kind="stable")
+        moves = _move(order, world.uniform(purpose=1), place, np.flatnonzero(homes == 0), homes, height, width, self.radius, self.wanted)
+        world.homes[...] = homes.reshape(height, width)
+        world.positions[...] = _centres(place, world.homes, world.box)
         world.count("moves", moves)
 
     def observe(self, world: gridlock.World) -> Mapping[str, float]:
@@ -88,6 +73,28 @@ class Schelling(gridlock.Model):
         neighbors = near.sum(axis=0)[lived_in]
         share = like[neighbors > 0] / neighbors[neighbors > 0]
         return {"like_share": share.mean() if len(share) else 0.0, "happy": np.mean(like >= self.wanted)}
+
+
+@compiled
+def _move(order: Any, random: Any, place: Any, vacant: Any, homes: Any, height: int, width: int, radius: int, wanted: int) -> int:
+    """Lets all take their turn; returns how many have moved."""
+    moves = 0
+    for agent in order:
+        here = place[agent]
+        row, column = here // width, here % width
+        like = -1
+        for across in range(max(row - radius, 0), min(row + radius + 1, height)):
+            for along in range(max(column - radius, 0), min(column + radius + 1, width)):
+                if homes[across * width + along] == homes[here]:
+                    like += 1
+        if like >= wanted or len(vacant) == 0:
+            continue
+        chosen = int(random[agent] * len(vacant))
+        there = vacant[chosen]
+        place[agent], vacant[chosen] = there, here
+        homes[there], homes[here] = homes[here], 0.0
+        moves += 1
+    return moves
 
 
 def _around(radius: int) -> list[tuple[int, int]]:

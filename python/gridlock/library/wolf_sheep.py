@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import gridlock
+from gridlock.turns import compiled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -113,8 +114,16 @@ class WolfSheep(gridlock.Model):
 
 def _turns(cells: NDArray[np.int64], random: NDArray[np.float64]) -> NDArray[np.int64]:
     """The place of each animal among those in its cell, in an order by random numbers: 0 for the first."""
-    order = np.lexsort((random, cells))
-    ordered = cells[order]
-    places = np.empty(len(cells), dtype=np.int64)
-    places[order] = np.arange(len(cells)) - np.searchsorted(ordered, ordered)
+    places, before = np.zeros((2, len(cells)), dtype=np.int64)
+    _take_places(cells, random, np.full(int(cells.max(initial=0)) + 1, -1), before, places)
     return places
+
+
+@compiled
+def _take_places(cells: Any, random: Any, last: Any, before: Any, places: Any) -> None:
+    for animal in range(len(cells)):
+        other = before[animal] = last[cells[animal]]
+        last[cells[animal]] = animal
+        while other >= 0:
+            places[animal if random[other] <= random[animal] else other] += 1
+            other = before[other]
