@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Models of the public comparison of agent frameworks in Gridlock and in Mesa, in turns in one process.
+
+    git clone https://github.com/JuliaDynamics/ABMFrameworksComparison comparison
+    pip install mesa==3.2.0 numba
+    PYTHONPATH=build/python benchmarks/mesa_comparison.py comparison --rounds 5
+
+Each round makes and runs every model once, with a seed of its own, on processor time. Mesa runs the programs of the comparison as they are. Its table of
+results has the ratios of Mesa to Agents.jl, measured there on one machine: the time of Mesa here divided by them is what Agents.jl would take here.
+
+The published wolves and sheep in Mesa never run the simulator by which their grass grows, so that all animals die; "mended" runs it.
+"""
+
+import argparse
+import importlib
+import os
+import pathlib
+import sys
+import time
+import warnings
+
+import numpy as np
+from result_file import ROOT, ResultFile
+
+import gridlock
+from gridlock.library import Boids, Schelling, WolfSheep
+
+# Mesa 3.2.0 to Agents.jl 6.2.10; github.com/JuliaDynamics/ABMFrameworksComparison, README.md of 22 February 2026.
+PUBLISHED = {
+    "wolf_sheep small": 9.38, "wolf_sheep large": 3.28, "flocking small": 159.29, "flocking large": 59.5,
+    "schelling small": 29.73, "schelling large": 26.66,
+}
+STEPS = {"schelling": 20, "wolf_sheep": 100, "flocking": 100}
+WALLS = {"box.edge": "wall"}
+
+
+def sky(side):
+    return {"box": {"width": side, "height": side, "edge": "periodic"}}
+
+
+def flocking(count, radius):
+    return {"model.kind": "flocking", "flocking": {"rule": "boids", "count": count, "radius": radius, "speed": 1.0}}
+
+
+OURS = {
+    "schelling small": {"Gridlock, Python": {"model": Schelling(), **WALLS}},
+    "schelling large": {"Gridlock, Python": {"model": Schelling(side=100, count=8000, radius=2, wanted=8), **WALLS}},
+    "wolf_sheep small": {"Gridlock, Python": {"model": WolfSheep(), **WALLS}},
+    "wolf_sheep large": {"Gridlock, Python": {"model": WolfSheep(side=100, sheep=1000, wolves=500, regrowth=10, sheep_birth=0.4, wolf_birth=0.2), **WALLS}},
+    "flocking small": {"Gridlock, Python": {"model": Boids(), **sky(100.0)}, "Gridlock, C++, all at once": {**flocking(200, 5.0), **sky(100.0)}},
+    "flocking large": {"Gridlock, Python": {"model": Boids(count=400, radius=15.0), **sky(150.0)},
+                       "Gridlock, C++, all at once": {**flocking(400, 15.0), **sky(150.0)}},
+}
+
+
+def run_ours(settings, steps):
+    def run(seed):
+        simulation = gridlock.Simulation({**settings, "engine.threads": 1, "observe.every": 1_000_000, "observe.structure_every": 0, "run.seed": seed})
+        simulation.run(steps=steps)
+
+    return run
+
+
+def programs_of_mesa(comparison):
+    """Functions that make and run the models of the comparison, given a seed, by name."""
+    for folder in ("Schelling", "WolfSheep", "Flocking"):
+        sys.path.insert(0, str(comparison / folder / "Mesa"))
+    make = {name: getattr(importlib.import_module(module), name)
+            for module, name in (("Schelling", "SchellingModel"), ("WolfSheep", "WolfSheep"), ("Flocking", "BoidFlockers"))}
+
+    def run(name, steps, values, *, is_mended=False):
+        def once(seed):
+            model = make[name](seed, *values)
+            if is_mended:
+                model.simulator.run_for(steps)
+            else:
+                for _ in range(steps):
+                    model.step()
+
+        return once
+
+    meadows = {"small": (25, 25, 60, 40, 0.2, 0.1, 20), "large": (100, 100, 1000, 500, 0.4, 0.2, 10)}
+    programs = {"schelling small": {"Mesa": run("SchellingModel", 20, (40, 40, 3, 1, 0.625))},
+                "schelling large": {"Mesa": run("SchellingModel", 20, (100, 100, 8, 2, 0.8))},
+                "flocking small": {"Mesa": run("BoidFlockers", 100, (200, 100, 100, 5))},
+                "flocking large": {"Mesa": run("BoidFlockers", 100, (400, 150, 150, 15))}}
+    for size, values in meadows.items():
+        programs[f"wolf_sheep {size}"] = {"Mesa": run("WolfSheep", 100, values), "Mesa, mended": run("WolfSheep", 100, values, is_mended=True)}
+    return programs
+
+
+def seconds(run, seed):
+    began = time.process_time()
+    run(seed)
+    return time.process_time() - began
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("comparison", type=pathlib.Path, help="a clone of the public comparison")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "benchmarks/results/mesa_comparison.csv")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    mesa = programs_of_mesa(options.comparison)
+    file = ResultFile(options.output, f"Mesa {importlib.import_module('mesa').__version__}, NumPy {np.__version__}; {options.rounds} rounds in turns; "
+                      f"{os.getloadavg()[0]:.1f} programs at work on {os.cpu_count()} cores at the beginning; benchmarks/mesa_comparison.py")
+    file.write("benchmark,name,milliseconds_min,milliseconds_median,to_mesa,published_mesa_to_agents,to_agents")
+    for model, published in PUBLISHED.items():
+        programs = {**mesa[model], **{name: run_ours(settings, STEPS[model.split()[0]]) for name, settings in OURS[model].items()}}
+        for name in OURS[model]:
+            programs[name](0)  # Numba compiles.
+        times = {name: [] for name in programs}
+        for seed in range(1, options.rounds + 1):
+            for name, run in programs.items():
+                times[name].append(1000 * seconds(run, seed))
+        base = np.median(times["Mesa"])
+        for name, measured in times.items():
+            median = np.median(measured)
+            file.write(f"{model},\"{name}\",{min(measured):.2f},{median:.2f},{base / median:.2f},{published},{base / published / median:.2f}")
+
+
+main()
