@@ -161,20 +161,25 @@ def as_column(values: Any, name: str, kind: Any) -> NDArray[Any]:
       hint: its type is uint32: use whole numbers from 0 to 4294967295
     """
     wanted = np.dtype(kind)
-    hint = f"its type is {wanted}: use numbers"
-    if wanted.kind in "iu":
-        hint = f"its type is {wanted}: use whole numbers from {np.iinfo(wanted).min} to {np.iinfo(wanted).max}"
+    if type(values) is np.ndarray and values.dtype == wanted:
+        return values
     refuse_masked(values, f"column {name}: the values are")
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:
-        raise Error(f"column {name}: the values are no array: {error}\n  hint: {hint}") from None
+        raise Error(f"column {name}: the values are no array: {error}\n  hint: {_fitting(wanted)}") from None
     unfit = _first_unfit(array, wanted)
     if unfit is not None:
         place, why = unfit
         where = "" if array.ndim == 0 else f", at {place[0] if len(place) == 1 else place}"
-        raise Error(f"column {name}: {in_short(array[place])} {why}{where}\n  hint: {hint}")
+        raise Error(f"column {name}: {in_short(array[place])} {why}{where}\n  hint: {_fitting(wanted)}")
     return array.astype(wanted, copy=False)
+
+
+def _fitting(wanted: np.dtype[Any]) -> str:
+    if wanted.kind not in "iu":
+        return f"its type is {wanted}: use numbers"
+    return f"its type is {wanted}: use whole numbers from {np.iinfo(wanted).min} to {np.iinfo(wanted).max}"
 
 
 def _first_unfit(array: NDArray[Any], wanted: np.dtype[Any]) -> tuple[tuple[int, ...], str] | None:
