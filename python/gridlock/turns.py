@@ -141,7 +141,8 @@ def compiled(function: Callable[..., Result]) -> Callable[..., Result]:
 
     @functools.wraps(function)
     def call(*arguments: Any) -> Result:
-        return _by_numba(function)(*arguments)
+        result: Result = _by_numba(function)(*arguments)
+        return result
 
     return call
 
