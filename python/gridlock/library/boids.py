@@ -20,7 +20,7 @@ class Boids(gridlock.Model):
     neighbour j, v_j its direction and Σ' goes over those nearer than the separation; then it moves on by its speed. Those after it see it there.
 
     The defaults are those of the public comparison (doi:10.5281/zenodo.8016506); its small flock has 200 birds in a periodic box of 100 × 100,
-    its large one 400 of a ``radius`` of 15 in 150 × 150. Cost with Numba: 0.1 ms a step and 0.5 µs a bird; without: 3 µs a bird and 1 µs a neighbour.
+    its large one 400 of a ``radius`` of 15 in 150 × 150. Cost: with Numba 0.1 ms a step and 0.5 µs a bird; without: 3 µs a bird and 1 µs a neighbour.
     Gridlock's model ``flocking`` in C++ has ``rule = "boids"``, in which all act at the same time.
 
     Source: C. W. Reynolds (1987), doi:10.1145/37402.37406.
