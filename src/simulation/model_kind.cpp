@@ -102,8 +102,10 @@ std::string AgentsKind::unused_because_of(Configuration const& configuration, st
 }
 
 std::optional<Problem> AgentsKind::not_shared(Configuration const& configuration) const {
-  if (!shapes_of_fields(make_box(configuration.box)).empty()) {
-    return Problem{.what = fmt::format("the model \"{}\", whose fields no process has in part,", name()),
+  bool const has_fields = !shapes_of_fields(make_box(configuration.box)).empty();
+  if (has_fields || has_networks()) {
+    return Problem{.what = fmt::format("the model \"{}\", whose {} no process has in part,", name(),
+                                       has_fields ? "fields" : "networks"),
                    .hint = "use gridlock run with engine.threads, or gridlock-mpi sweep for many runs",
                    .key = "model.kind"};
   }

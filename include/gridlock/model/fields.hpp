@@ -36,6 +36,7 @@
 #include "gridlock/core/spread.hpp"
 #include "gridlock/core/world.hpp"
 #include "gridlock/model/detail/field_requests.hpp"
+#include "gridlock/model/detail/named_set.hpp"
 
 namespace gridlock {
 
@@ -52,14 +53,7 @@ namespace gridlock {
 /// static_assert(Fields::place_of<Food> == 0);  // World::fields has the order of the names
 /// ```
 template <class... Tags>
-struct FieldSet {
-  static constexpr std::size_t count = sizeof...(Tags);
-  template <class Tag>
-  static constexpr bool has = (std::is_same_v<Tag, Tags> || ...);
-  /// The index of a field in World::fields.
-  template <class Tag>
-  static constexpr std::size_t place_of = ((Tags::name < Tag::name ? 1U : 0U) + ... + 0U);
-};
+struct FieldSet : NamedSet<Tags...> {};
 
 template <class Model>
 struct FieldsOfModel {

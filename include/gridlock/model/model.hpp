@@ -15,6 +15,7 @@
 #include "gridlock/core/vector.hpp"
 #include "gridlock/model/agent_sums.hpp"
 #include "gridlock/model/model_engine.hpp"
+#include "gridlock/model/networks.hpp"
 
 namespace gridlock {
 
@@ -102,7 +103,7 @@ class Observations {
 };
 
 /// Returns whether processes can divide the agents of a model, so that no process has all of them. The model must be
-/// synchronous or tiled, read all agents only through AgentSums, and have no fields.
+/// synchronous or tiled, read all agents only through AgentSums, and have no fields and no networks.
 template <class Model>
 consteval bool can_be_divided() {
   constexpr bool observes_world = requires(Model const& model, World<Model> const& world, Observations& seen) {
@@ -110,7 +111,8 @@ consteval bool can_be_divided() {
   };
   constexpr bool notes_of_world = requires(Model const& model, World<Model> const& world) { model.notes(world); };
   constexpr bool fixes_cells = requires(Model const& model, AgentSums<Model> const& agents) { model.cells(agents); };
-  if (asks_world_in_every_step<Model>() || observes_world || notes_of_world || has_fields<Model>()) return false;
+  if (asks_world_in_every_step<Model>() || observes_world || notes_of_world) return false;
+  if (has_fields<Model>() || has_networks<Model>()) return false;
   return Model::schedule == Schedule::tiled || (Model::schedule == Schedule::synchronous && !fixes_cells);
 }
 
@@ -128,11 +130,12 @@ std::vector<std::string> notes_of(Model const& model, World<Model> const& world,
   }
 }
 
-/// Puts the fields and the first agents of a model into an empty world: agents one by one by Model::first_agent(), or
-/// by Model::start().
+/// Puts the fields, the first agents and the networks of a model into an empty world: agents one by one by
+/// Model::first_agent(), or by Model::start().
 template <class Model>
 void start_agents(Model const& model, World<Model>& world) {
   start_fields(model, world);
+  if constexpr (has_networks<Model>()) world.networks = empty_networks<Model>();
   if constexpr (has_first_agents<Model>()) {
     for (std::uint64_t number = 0; number < model.agents_at_start(); ++number) {
       std::apply([&](auto... values) { world.agents.add(values...); }, model.first_agent(world, number));
@@ -140,6 +143,7 @@ void start_agents(Model const& model, World<Model>& world) {
   } else {
     model.start(world);
   }
+  if constexpr (requires { model.start_networks(world); }) model.start_networks(world);
 }
 
 /// This header includes all that a model needs; see ModelEngine for the members of a model.

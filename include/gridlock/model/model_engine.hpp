@@ -20,6 +20,7 @@
 /// ```
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -43,6 +44,7 @@
 #include "gridlock/model/detail/turns_in_tiles.hpp"
 #include "gridlock/model/fields.hpp"
 #include "gridlock/model/mutable_world.hpp"
+#include "gridlock/model/networks.hpp"
 #include "gridlock/model/turn.hpp"
 
 namespace gridlock {
@@ -82,13 +84,16 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     std::size_t columns(Grass) const;              cells of a field along x; rows(Grass) along y, else squares
 ///     void start_fields(World<Model>&) const;        fills the fields, 0 at first, before there are agents
 ///     void step_fields(FieldsOfStep<Model>&) const;  changes the fields at the end of each step
+///     using Networks = NetworkSet<Friends, …>;       synchronous, sequential: edges between the agents
+///     void start_networks(World<Model>&) const;      connects the first agents, of which agent k has the Id k
+///     void step_networks(NetworksOfStep<Model>&) const;   changes the edges at the end of each step
 ///     void observe(AgentSums<Model> const&, Observations&) const;
 ///     void describe(SettingVisitor&);                visits its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(AgentSums<Model> const&) const;   reasons why results of a start mislead
 ///
-/// The last nine may be left out. A model may add `static constexpr std::array<std::string_view, n> events`, the names
+/// The last twelve may be left out. A model may add `static constexpr std::array<std::string_view, n> events`, the names
 /// of the events it counts, and `static constexpr bool keeps_counters = true` if its turns update Turn::counters(),
 /// from which the run measures collision rates and pressures.
 ///
@@ -98,7 +103,7 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// agents_at_start() then only serves to estimate the memory, and the root process makes all agents. observe() and
 /// notes() may take `World<Model> const&` for quantities that are no sums over agents. Several processes can divide the
 /// agents of a model only if none of cutoff(), time_step(), observe() and notes() takes the World, and if it has no
-/// fields.
+/// fields and no networks.
 ///
 /// In a tiled model no agent searches or moves farther than the cutoff from the point where its turn began. A model
 /// with a few faster agents defines `bool is_local(Turn<Model> const&, double room) const`, where room is the shorter
@@ -112,6 +117,10 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// work, less after steps in which no agent moved, died or was born: then nothing is sorted.
 template <class Model>
 class ModelEngine final : public EngineFor<Model> {
+  static_assert(!has_networks<Model>() || Model::schedule == Schedule::synchronous ||
+                    Model::schedule == Schedule::sequential,
+                "networks are for models that are synchronous or sequential");
+
  public:
   ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
       : model_(std::move(model)), settings_(settings), thread_pool_(settings.threads), order_(thread_pool_) {
@@ -144,6 +153,7 @@ class ModelEngine final : public EngineFor<Model> {
         model_.step(open);
       }
       step_fields(world);
+      step_networks(world);
       ++world.clock.step;
       world.clock.time += time_step_;
       if (stop_condition.stops_here()) break;
@@ -157,6 +167,7 @@ class ModelEngine final : public EngineFor<Model> {
     try {
       require_inside(world);
       require_fields(model_, world);
+      require_networks(world);
     } catch (RunFailure const& failure) {
       throw Error(Problem{.what = failure.what()});
     }
@@ -184,7 +195,9 @@ class ModelEngine final : public EngineFor<Model> {
     if (!knows_world) {
       require_inside(world);
       require_fields(model_, world);
+      require_networks(world);
     }
+    find_neighbours_on_networks(world, knows_world);
     if (!knows_world || asks_world_in_every_step<Model>()) {
       cutoff_ = cutoff_of(model_, world);
       time_step_ = gridlock::time_step_of(model_, world);
@@ -237,7 +250,7 @@ class ModelEngine final : public EngineFor<Model> {
     ChangesOfFields<Model> const changes(world, commands_);
     world.agents.exchange(order_.next());
     changes.apply(world);
-    apply_commands<Model>(world, commands_);
+    births_ = apply_commands<Model>(world, commands_);
   }
 
   /// Synchronous: returns whether no agent moves, is born or dies in this step, so that all rows stay in order.
@@ -263,7 +276,8 @@ class ModelEngine final : public EngineFor<Model> {
             .cutoff = cutoff_,
             .time_step = time_step_,
             .population = world.agents.size(),
-            .is_verified = is_verified(world)};
+            .is_verified = is_verified(world),
+            .on_networks = on_networks_};
   }
 
   void step_in_turns(World<Model>& world, Counters& counters) {
@@ -273,7 +287,7 @@ class ModelEngine final : public EngineFor<Model> {
       Turn<Model> turn(around, row);
       model_.turn(turn);
     }
-    apply_commands<Model>(world, commands_);
+    births_ = apply_commands<Model>(world, commands_);
   }
 
   /// A step in which a turn fails leaves the world as it was before.
@@ -296,7 +310,7 @@ class ModelEngine final : public EngineFor<Model> {
       for (std::uint32_t tile = 0; tile < tiles; ++tile) of_step.add(turns_.result_of(tile).counters);
       of_step.add_to(counters);
     }
-    apply_commands<Model>(world, commands_);
+    births_ = apply_commands<Model>(world, commands_);
   }
 
   /// Tiled: an overflow of a field leaves the world as it was before the step.
@@ -315,6 +329,30 @@ class ModelEngine final : public EngineFor<Model> {
       FieldsOfStep<Model> fields(world, time_step_, thread_pool_);
       model_.step_fields(fields);
       fields.require_finite();
+    }
+  }
+
+  void step_networks([[maybe_unused]] World<Model>& world) {
+    if constexpr (requires(NetworksOfStep<Model> & networks) { model_.step_networks(networks); }) {
+      NetworksOfStep<Model> networks(world, births_);
+      try {
+        model_.step_networks(networks);
+      } catch (Error const& error) {
+        throw failure_of_networks(world.clock.step, error);
+      }
+      for (std::size_t k = 0; k < on_networks_.size(); ++k) {
+        if (!networks.is_changed(k)) continue;
+        require_living_ends(world, world.networks[k]);
+        on_networks_[k] = NeighboursOnNetwork(world.networks[k]);
+      }
+    }
+  }
+
+  /// Deaths make a network smaller; step_networks() looks after its changes itself.
+  void find_neighbours_on_networks(World<Model> const& world, bool knows_world) {
+    for (std::size_t k = 0; k < on_networks_.size(); ++k) {
+      if (knows_world && on_networks_[k].edges() == world.networks[k].size()) continue;
+      on_networks_[k] = NeighboursOnNetwork(world.networks[k]);
     }
   }
 
@@ -350,6 +388,8 @@ class ModelEngine final : public EngineFor<Model> {
   bool stood_still_ = false;  ///< synchronous: whether the rows are as order_ has sorted them
   PackedGrid grid_;
   std::vector<DeferredCommands<Model>> commands_;
+  std::vector<Birth> births_;  ///< of this step, if the model has networks
+  std::array<NeighboursOnNetwork, NetworksOf<Model>::count> on_networks_;
   TurnsInTiles<Model> turns_;          ///< used by tiled models
   std::vector<Tiling::Round> rounds_;  ///< tiled: planned for threads_of_rounds_ threads
   std::size_t threads_of_rounds_ = 0;

@@ -32,6 +32,7 @@
 #include "gridlock/model/detail/deferred_commands.hpp"
 #include "gridlock/model/detail/motion.hpp"
 #include "gridlock/model/detail/verify.hpp"
+#include "gridlock/model/networks.hpp"
 
 namespace gridlock {
 
@@ -97,6 +98,7 @@ struct Neighbourhood {
   double time_step = 0.0;                                    ///< the model's
   std::size_t population = 0;                                ///< number of agents when the step began
   bool is_verified = false;                                  ///< whether searches are compared with brute force
+  std::span<NeighboursOnNetwork const> on_networks = {};     ///< in the order of World::networks
 
   /// Synchronous: the rows of the agents in the block of cells around the agent, and whether the block touches an edge.
   RowBlock block;
@@ -236,6 +238,28 @@ class Turn {
     visit_near(p, cutoff, visit);
   }
 
+  /// Returns a network as it was when the step began.
+  template <class Tag>
+  [[nodiscard]] Network const& network() const {
+    return network_of<Tag>(world());
+  }
+  /// Return the number of neighbours on a network, and neighbour k of them in the order of their Ids; on a directed
+  /// network those that the edges of the agent lead to. Contract: k < degree().
+  template <class Tag>
+  [[nodiscard]] std::size_t degree() const {
+    return on_network<Tag>().size();
+  }
+  template <class Tag>
+  [[nodiscard]] Neighbour<Model> neighbour(std::size_t k) const {
+    return neighbour_of(on_network<Tag>()[k].id);
+  }
+  /// Calls visit(neighbour, weight) for every neighbour on a network, in the order of their Ids. Cost: about 30 ns a
+  /// neighbour among 100,000 agents, most of it waits for memory.
+  template <class Tag, class Visit>
+  void for_each_neighbour(Visit visit) const {
+    for (auto const& [id, weight] : on_network<Tag>()) visit(neighbour_of(id), weight);
+  }
+
   /// Adds an agent at the end of the step, with one value per column in the order the columns are declared.
   /// Errors: RunFailure for a point outside the box.
   template <class... Values>
@@ -264,6 +288,14 @@ class Turn {
   template <class Tag>
   [[nodiscard]] FieldRequests& requests() {
     return around_.commands.fields[FieldsOf<Model>::template place_of<Tag>];
+  }
+  template <class Tag>
+  [[nodiscard]] std::span<NeighboursOnNetwork::Neighbour const> on_network() const {
+    static_assert(NetworksOf<Model>::template has<Tag>, "the model names each of its networks in Networks");
+    return around_.on_networks[NetworksOf<Model>::template place_of<Tag>].of(id());
+  }
+  [[nodiscard]] Neighbour<Model> neighbour_of(Id id) const {
+    return {around_.world, around_.commands, world().agents.index_of(id), position()};
   }
 
   template <class Column>

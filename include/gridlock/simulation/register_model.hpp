@@ -81,6 +81,7 @@ class AgentsKind : public ModelKind {
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
   /// Returns the fields of the model in a box.
   [[nodiscard]] virtual std::vector<FieldShape> shapes_of_fields(Box const& /*box*/) const { return {}; }
+  [[nodiscard]] virtual bool has_networks() const { return false; }
   /// Returns the least memory of a field, in copies of its values.
   [[nodiscard]] virtual double copies_of_fields() const { return 1.0; }
   /// Returns the number of random positions that the start will try, each about 0.15 µs; 0 if the model does not tell
@@ -147,6 +148,7 @@ class ModelKindOf final : public AgentsKind {
       return {};
     }
   }
+  [[nodiscard]] bool has_networks() const override { return gridlock::has_networks<Model>(); }
   [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const override {
     if constexpr (requires { model_.attempts_at_start(box, seed); }) {
       double attempts = 0.0;
@@ -184,6 +186,7 @@ class ModelKindOf final : public AgentsKind {
       start_agents(model_, world);
       ModelEngine<Model>::require_inside(world);
       require_fields(model_, world);
+      require_networks(world);
     });
     return std::make_unique<ModelEngine<Model>>(model_, world.box, settings);
   }

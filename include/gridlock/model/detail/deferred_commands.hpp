@@ -12,6 +12,7 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/model/detail/world.hpp"
 #include "gridlock/model/fields.hpp"
+#include "gridlock/model/networks.hpp"
 
 namespace gridlock {
 
@@ -92,9 +93,10 @@ class ChangesOfFields {
 
 /// Applies all commands: first deaths in the order of the Ids, then births in the order of the parents' Ids, births of
 /// one parent in the order of its calls. This order depends on the state alone, so that the Ids of newborns are the
-/// same on any number of threads. Contract: all commands of an agent are in one part.
+/// same on any number of threads. Edges of the dead vanish. Returns the births if the model has networks. Contract: all
+/// commands of an agent are in one part.
 template <class Model>
-void apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> parts) {
+std::vector<Birth> apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> parts) {
   DeferredCommands<Model> all;
   for (DeferredCommands<Model>& part : parts) {
     all.append(part);
@@ -107,9 +109,13 @@ void apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> part
     if (deaths.empty() || deaths.back() != all.deaths[place]) deaths.push_back(all.deaths[place]);
   }
   remove_agents<typename World<Model>::Agents>(world.agents, deaths);
+  for (Network& network : world.networks) network.remove_agents(deaths);
+  std::vector<Birth> births;
   for (std::size_t const place : rows_in_order(all.parents)) {
-    std::apply([&](auto... values) { world.agents.add(values...); }, all.births[place]);
+    Id const child = std::apply([&](auto... values) { return world.agents.add(values...); }, all.births[place]);
+    if constexpr (has_networks<Model>()) births.push_back({.parent = all.parents[place], .child = child});
   }
+  return births;
 }
 
 }  // namespace gridlock
