@@ -103,7 +103,7 @@ class Observations {
 };
 
 /// Returns whether processes can divide the agents of a model, so that no process has all of them. The model must be
-/// synchronous or tiled, read all agents only through AgentSums, and have no fields and no networks.
+/// synchronous or tiled, read all agents only through AgentSums, and have no fields, networks and is_awake().
 template <class Model>
 consteval bool can_be_divided() {
   constexpr bool observes_world = requires(Model const& model, World<Model> const& world, Observations& seen) {
@@ -112,7 +112,7 @@ consteval bool can_be_divided() {
   constexpr bool notes_of_world = requires(Model const& model, World<Model> const& world) { model.notes(world); };
   constexpr bool fixes_cells = requires(Model const& model, AgentSums<Model> const& agents) { model.cells(agents); };
   if (asks_world_in_every_step<Model>() || observes_world || notes_of_world) return false;
-  if (has_fields<Model>() || has_networks<Model>()) return false;
+  if (has_fields<Model>() || has_networks<Model>() || has_sleepers<Model>()) return false;
   return Model::schedule == Schedule::tiled || (Model::schedule == Schedule::synchronous && !fixes_cells);
 }
 

@@ -64,10 +64,10 @@ class AgentsInCellOrder {
     auto const cell_rows = static_cast<std::size_t>(order_.numbers().rows());
     return thread_pool_.size() == 1 ? 1 : std::min(cell_rows, 16 * thread_pool_.size());
   }
-  /// Calls take(neighbourhood, row, band) for each row; neighbourhood_of(band) returns the data that the turns of a
-  /// band share.
-  template <class NeighbourhoodOf, class Take>
-  void for_each_turn(NeighbourhoodOf neighbourhood_of, Take take) {
+  /// Calls take(neighbourhood, row, band) for each row for which takes_turn(row) returns true; neighbourhood_of(band)
+  /// returns the data that the turns of a band share.
+  template <class NeighbourhoodOf, class TakesTurn, class Take>
+  void for_each_turn(NeighbourhoodOf neighbourhood_of, TakesTurn takes_turn, Take take) {
     CellNumbers const& numbers = order_.numbers();
     RowBlocks const blocks(order_.layout(), [&](int column, int row) { return order_.first_of(column, row); });
     auto const cell_rows = static_cast<std::size_t>(numbers.rows());
@@ -76,8 +76,15 @@ class AgentsInCellOrder {
       Neighbourhood<Model> around = neighbourhood_of(band);
       order_.for_each_cell(static_cast<int>(band * cell_rows / parts), static_cast<int>((band + 1) * cell_rows / parts),
                            [&](int column, int cell_row, RowRange rows) {
-                             around.block = blocks.around(numbers.column_at(column), numbers.row_at(cell_row));
-                             for (std::size_t row = rows.first; row < rows.end; ++row) take(around, row, band);
+                             bool has_block = false;
+                             for (std::size_t row = rows.first; row < rows.end; ++row) {
+                               if (!takes_turn(row)) continue;
+                               if (!has_block) {
+                                 around.block = blocks.around(numbers.column_at(column), numbers.row_at(cell_row));
+                                 has_block = true;
+                               }
+                               take(around, row, band);
+                             }
                            });
     });
   }

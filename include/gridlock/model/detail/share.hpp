@@ -319,6 +319,7 @@ class ModelShare final : public AgentsOfShare<Model> {
     has_turns_ = true;
     try {
       order_.for_each_turn([&](std::size_t band) { return neighbourhood(commands_[band]); },
+                           [](std::size_t /*row*/) { return true; },
                            [&](Neighbourhood<Model>& around, std::size_t row, std::size_t band) {
                              take_turn(around, static_cast<std::uint32_t>(row), bands_[band]);
                            });

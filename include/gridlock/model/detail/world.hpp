@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <tuple>
 
@@ -30,6 +31,23 @@ consteval bool has_first_agents() {
     model.first_agent(world, 0);
     model.agents_at_start();
   };
+}
+
+/// Returns whether the model says which of its agents take a turn in a step.
+template <class Model>
+consteval bool has_sleepers() {
+  return requires(Model const& model, World<Model> const& world) { model.is_awake(world, std::size_t{}); };
+}
+
+/// Returns whether the agent of a row takes a turn in this step.
+template <class Model>
+bool is_awake([[maybe_unused]] Model const& model, [[maybe_unused]] World<Model> const& world,
+              [[maybe_unused]] std::size_t row) {
+  if constexpr (has_sleepers<Model>()) {
+    return model.is_awake(world, row);
+  } else {
+    return true;
+  }
 }
 
 /// Returns the cutoff of a model, which may depend on its world or on sums over all agents. `world` has the agents of
