@@ -85,6 +85,7 @@ using ::ranges::is_sorted;
 using ::ranges::lower_bound;
 using ::ranges::max;
 using ::ranges::max_element;
+using ::ranges::merge;
 using ::ranges::min;
 using ::ranges::min_element;
 using ::ranges::minmax;
