@@ -309,6 +309,8 @@ def _row(job: _Job, number: int) -> dict[str, Any]:
     except (Error, RunFailure) as error:
         what, mark, hint = str(error).partition("\n  hint: ")
         raise type(error)(f"the run with {where}: {what}{mark}{hint}") from None
+    except Exception as error:  # of a condition, or a measure
+        raise RunFailure(f"the run with {where}: {type(error).__name__}: {error}") from error
 
 
 def _measured(job: _Job, simulation: Simulation) -> dict[str, Any]:

@@ -296,7 +296,7 @@ class Live:
             "isRunning": self._is_running, "speed": self._speed, "stepsPerSecond": self._pace(), "problem": self._problem,
             "stateHash": "" if self._is_running else simulation.state_hash,
         }
-        shown = {"id": _in_short(ids), **{name: _in_short(values) for name, values in columns.items() if name in wanted or name in ("x", "y")}}
+        shown = {"id": ids if len(ids) and int(ids.max()) >= 2**32 else _in_short(ids), **{name: _in_short(values) for name, values in columns.items() if name in wanted or name in ("x", "y")}}
         # Columns that are asked for and that there are none of are empty ones, so that nobody waits for them.
         shown.update({name: np.empty(0, dtype=np.float32) for name in wanted - shown.keys()})
         layers = {name: np.asarray(field, dtype=np.float32) for name, field in fields.items()}
@@ -332,7 +332,7 @@ def _answer(command: Callable[[], Any], answer: Future[Any]) -> None:
 
 
 def _in_short(values: NDArray[Any]) -> NDArray[Any]:
-    """In four bytes a number; whole numbers beyond are rounded."""
+    """In four bytes a number; whole numbers beyond are rounded, if they are no Ids."""
     is_whole = values.dtype.kind in "iu"
     if is_whole and values.dtype.itemsize > 4:
         return values.astype(np.uint32) if not len(values) or int(values.max()) < 2**32 else values.astype(np.float32)

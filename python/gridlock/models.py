@@ -397,6 +397,9 @@ def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], 
         from .turns import require_turn
 
         require_turn(model)
+    for name in ("fields", "networks", "charts"):
+        if not isinstance(getattr(model, name), Mapping):
+            raise Error(f"the {name} of {what} are {in_short(getattr(model, name))}\n  hint: name each of them: {name} = {{\"…\": …}}")
     if model.start is Model.start:
         raise Error(f"{what} has no start\n  hint: define start(self, start), which adds the first agents")
     for name, (kind, _) in columns.items():
@@ -410,7 +413,7 @@ def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], 
     require_kinds(model, columns, lambda name: name in model.fields or name in _names_of_world or hasattr(World, name) or hasattr(Start, name),
                   _types_of_columns)
     _require_named(what, "field", model.fields, Field, columns)
-    _require_named(what, "network", model.networks, Network, (*columns, *model.fields))
+    _require_named(what, "network", model.networks, Network, (*columns, *model.fields, *model.kinds))
     names = [*columns, *model.events]
     is_taken = any(name in ("step", "time", "agents") for name in model.events)
     if is_taken or len(set(model.events)) < len(model.events) or not all(isinstance(name, str) and name.isidentifier() for name in names):

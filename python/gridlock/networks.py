@@ -79,6 +79,7 @@ class WorldNetwork:
         """The rows at both ends of every edge, shape (E, 2), in the order of their Ids."""
         stored: Any = self._core.network_edges(self._name)
         rows: NDArray[np.uint32] = stored[0]
+        rows.flags.writeable = False
         return rows
 
     @property
@@ -129,7 +130,7 @@ class WorldNetwork:
     def connect_within(self, cutoff: float) -> None:
         """Adds an edge between all agents nearer than the cutoff, around the edges of a periodic box; in both directions."""
         found: Any = self._core.pairs(as_cutoff(cutoff), (0, self._core.size()))
-        self._connect_both_ways(found.T)
+        self._connect_both_ways(self._seen._counted(found.T))
 
     def connect_at_random(self, *, probability: float | None = None, edges: int | None = None, purpose: int = 0) -> None:
         """Adds each possible edge with the same probability, or so many edges, all sets with the same probability.
@@ -167,6 +168,8 @@ class WorldNetwork:
         :param rows: the row of each node in the order of ``graph.nodes``; 0, 1, 2 … where left out.
         :param weight: the attribute of edges that has their weights, 1 where it is missing.
         """
+        if not hasattr(graph, "nodes") or not hasattr(graph, "is_directed"):
+            raise Error(f"{type(graph).__name__} is no graph\n  hint: give a graph of NetworkX, or connect(i, j)")
         nodes = list(graph.nodes)
         places = np.arange(len(nodes)) if rows is None else as_array(rows, "the rows of the nodes are", "use whole numbers", integers=True)
         if places.shape != (len(nodes),):

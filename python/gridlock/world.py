@@ -9,7 +9,7 @@ import numpy as np
 
 from ._core import ModelWorld
 from .analysis import separations
-from .arrays import as_array, as_column, as_count, as_numbers, named_in_short, refuse_masked
+from .arrays import as_array, as_column, as_count, as_numbers, in_short, named_in_short, refuse_masked
 from .box import Box, box_of
 from .errors import Error
 from .fields import FieldsOfWorld
@@ -49,6 +49,10 @@ class _SeenByModel:
         first = self._core.rows_with_newborn()
         self._core.add(self._kind or 0, _new_agents(self._model, self._kind, columns))
         return np.arange(first, self._core.rows_with_newborn())
+
+    def _counted(self, rows: NDArray[Any]) -> NDArray[Any]:
+        """What networks call the agents of rows."""
+        return rows
 
     def _require_writable(self, what: str) -> None:
         """Refuses changes where nothing may be changed."""
@@ -138,11 +142,13 @@ class Start(_SeenByModel):
     def add(self, **columns: ArrayLike) -> NDArray[np.int64]:
         """Adds agents: a number or an array for x, y (or ``positions``) and every other column; columns left out are 0.
 
-        Returns their rows among all agents, until agents of a kind before theirs are added.
+        Returns their numbers: a start counts all agents in the order in which they are added, and networks take these numbers.
         """
-        born = self._born(columns)
-        # A start has them at once, behind the others of their kind.
-        return born - sum(self._core.counts()[(self._kind or 0) + 1 :])
+        return self._born(columns)
+
+    def _counted(self, rows: NDArray[Any]) -> NDArray[Any]:
+        ids: Any = self._core.ids()
+        return ids[rows]  # type: ignore[no-any-return]
 
 
 class Halts(NamedTuple):
@@ -234,7 +240,7 @@ class World(_SeenByModel, FieldsOfWorld):
 
         The lists are kept: as long as nobody moves, is born or dies, the same search costs a comparison of all positions.
         """
-        among = self if of is None else of
+        among = self if of is None else _world("of", of)
         lists: Any = self._core.neighbor_lists(as_cutoff(cutoff), self._rows, among._rows)
         if of is None:
             return Neighbors(*lists)
@@ -255,7 +261,7 @@ class World(_SeenByModel, FieldsOfWorld):
         """
         if of is None:
             return separations(self.positions, i, j, self.box)
-        both = np.concatenate([self.positions[i], of.positions[j]])
+        both = np.concatenate([self.positions[i], _world("of", of).positions[j]])
         first = np.arange(len(both) // 2)
         return separations(both, first, first + len(first), self.box)
 
@@ -313,8 +319,9 @@ class World(_SeenByModel, FieldsOfWorld):
     def _radii(self, radius: ArrayLike, displacements: NDArray[np.float64], parts: int) -> NDArray[np.float64]:
         """The radii of agents that can move apart."""
         radii = as_radii(radius, len(self))
-        if np.any(radii <= 0) or parts < 1:
-            raise Error(f"agents move apart in {parts} parts, with a smallest radius of {radii.min()}\n  hint: use 1 part or more, and radii above 0")
+        if np.any(radii <= 0) or not 1 <= parts <= 1000:
+            raise Error(f"agents move apart in {parts} parts, with a smallest radius of {radii.min(initial=np.inf)}\n"
+                        "  hint: use 1 to 1000 parts, and radii above 0")
         sides = [side for side, periodic in zip((self.box.width, self.box.height), (self.box.periodic_x, self.box.periodic_y)) if periodic]
         if sides and len(radii) and 4 * radii.max() > min(sides):
             raise Error(f"the largest radius is {radii.max()} in a periodic box of {min(sides)}\n  hint: use at most a quarter of the shorter side")
@@ -350,6 +357,9 @@ class World(_SeenByModel, FieldsOfWorld):
     def remove(self, rows: ArrayLike) -> None:
         """Deaths, by a mask of shape (N,) or by rows. The dead are gone after the step."""
         self._require_writable("remove agents")
+        flags = np.asarray(rows)
+        if flags.shape == (len(self),) and flags.dtype.kind in "iu" and len(np.unique(flags)) < len(flags):
+            raise Error("whole numbers are rows, and some of these are there twice\n  hint: is it a mask? remove(world.dead == 1)")
         self._core.remove(self._rows_in_all(rows, "the rows to remove are"))
 
     def _rows_in_all(self, rows: ArrayLike | None, what: str = "the rows are") -> NDArray[np.uint64]:
@@ -428,6 +438,12 @@ class World(_SeenByModel, FieldsOfWorld):
         self._arrays.clear()
         for part in self._parts.values():
             part._close()
+
+
+def _world(name: str, value: Any) -> World:
+    if not isinstance(value, World):
+        raise Error(f"{name} is {in_short(value)}\n  hint: give a world, such as world.sheep")
+    return value
 
 
 def _no_value(network: str) -> Error:

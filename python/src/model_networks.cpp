@@ -17,17 +17,6 @@ namespace {
 /// The step of the random numbers of networks at the start; no step of a run has this number.
 constexpr std::uint64_t step_of_start = std::numeric_limits<std::uint64_t>::max();
 
-/// Returns the rows of the agents at both ends of each edge.
-std::vector<std::array<std::uint32_t, 2>> rows_of(Network const& network, AgentTable const& agents) {
-  std::vector<std::array<std::uint32_t, 2>> rows;
-  rows.reserve(network.size());
-  for (NetworkEdge const& edge : network.edges()) {
-    rows.push_back(
-        {static_cast<std::uint32_t>(agents.index_of(edge.from)), static_cast<std::uint32_t>(agents.index_of(edge.to))});
-  }
-  return rows;
-}
-
 nb::object array_of_rows(std::vector<std::array<std::uint32_t, 2>> const& pairs) {
   UninitializedArray<std::uint32_t> rows(2 * pairs.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) std::ranges::copy(pairs[k], rows.begin() + 2 * k);
@@ -57,6 +46,18 @@ Network& ModelWorld::network_to_change(std::string const& name) {
   return network;
 }
 
+std::vector<std::array<std::uint32_t, 2>> ModelWorld::rows_of(Network const& network) const {
+  auto const row_of = [&](Id id) {
+    return static_cast<std::uint32_t>(phase_ == Phase::start ? id : world_.agents.index_of(id));
+  };
+  std::vector<std::array<std::uint32_t, 2>> rows;
+  rows.reserve(network.size());
+  for (NetworkEdge const& edge : network.edges()) rows.push_back({row_of(edge.from), row_of(edge.to)});
+  return rows;
+}
+
+Id ModelWorld::id_of(std::uint64_t row) const { return phase_ == Phase::start ? row : world_.agents.ids()[row]; }
+
 std::vector<NetworkEdge> ModelWorld::edges_of(Rows const& rows, Amounts const* weights) const {
   std::vector<NetworkEdge> edges(rows.shape(0));
   for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -66,8 +67,7 @@ std::vector<NetworkEdge> ModelWorld::edges_of(Rows const& rows, Amounts const* w
           {.what = "there is no agent in row " + std::to_string(rows(k, end)) + " among " + std::to_string(size()),
            .hint = "rows are those of the arrays in this step; those of newborn agents can be connected only"});
     }
-    auto const ids = world_.agents.ids();
-    edges[k] = {.from = ids[rows(k, 0)], .to = ids[rows(k, 1)], .weight = weights != nullptr ? (*weights)(k) : 1.0};
+    edges[k] = {.from = id_of(rows(k, 0)), .to = id_of(rows(k, 1)), .weight = weights != nullptr ? (*weights)(k) : 1.0};
   }
   return edges;
 }
@@ -76,12 +76,12 @@ nb::object ModelWorld::network_edges(std::string const& name) const {
   Network const& network = find_network(name);
   UninitializedArray<double> weights(network.size());
   std::ranges::transform(network.edges(), weights.begin(), &NetworkEdge::weight);
-  return nb::make_tuple(array_of_rows(rows_of(network, world_.agents)), owned_array(std::move(weights)));
+  return nb::make_tuple(array_of_rows(rows_of(network)), owned_array(std::move(weights)));
 }
 
 nb::object ModelWorld::network_lists(std::string const& name, bool incoming) const {
   Network const& network = find_network(name);
-  auto rows = rows_of(network, world_.agents);
+  auto rows = rows_of(network);
   bool const is_directed = network.is_directed();
   if (is_directed && incoming) {
     for (auto& [from, to] : rows) std::swap(from, to);
@@ -130,8 +130,7 @@ void ModelWorld::connect(std::string const& name, Rows const& rows, Amounts cons
                    .hint = "rows are those of the arrays in this step, and those that add() returns"});
     }
     if (last < agents) {
-      auto const ids = world_.agents.ids();
-      edges.push_back({.from = ids[rows(k, 0)], .to = ids[rows(k, 1)], .weight = weights(k)});
+      edges.push_back({.from = id_of(rows(k, 0)), .to = id_of(rows(k, 1)), .weight = weights(k)});
     } else {
       waiting.push_back({.from = rows(k, 0), .to = rows(k, 1), .weight = weights(k)});
     }

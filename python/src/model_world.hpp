@@ -152,6 +152,10 @@ class ModelWorld {
   /// Returns edges between living agents. Errors: Error for a row without an agent.
   [[nodiscard]] std::vector<NetworkEdge> edges_of(Rows const& rows, Amounts const* weights) const;
   [[nodiscard]] Network edges_of_newborn(std::string const& name) const;
+  /// Returns the rows at both ends of each edge. A start counts agents by their Ids, 0, 1, 2 … in the order in which
+  /// they are added, since their rows change with agents of other kinds.
+  [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> rows_of(Network const& network) const;
+  [[nodiscard]] Id id_of(std::uint64_t row) const;
   [[nodiscard]] Vector place_of(std::size_t row) const;
   void require_one_for_each_agent(Amounts const& amounts) const;
   /// Returns the result of a search among the agents, made without holding the GIL if it is not known.

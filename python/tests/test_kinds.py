@@ -255,3 +255,36 @@ def test_agents_do_not_change_their_kind():
     simulation.agents.kind[0] = 2
     with pytest.raises(gridlock.Error, match="the column kind was changed\n  hint: an agent keeps its kind for its whole life"):
         simulation.run(steps=1)
+
+
+def test_networks_join_the_agents_of_each_kind_that_are_meant():
+    class Herd(gridlock.Model):
+        name = "test_herd"
+        kinds = {"wolf": {}, "sheep": {}}
+        networks = {"near": gridlock.Network(), "herd": gridlock.Network()}
+
+        def start(self, start):
+            first = start.sheep.add(x=[0.1, 0.2], y=0.5)
+            wolves = start.wolf.add(x=[0.32, 0.9], y=0.5)
+            start.herd.connect([first[0], wolves[0]], [first[1], wolves[1]])
+            assert start.herd.edges.tolist() == [[0, 1], [2, 3]] and start.herd.has(1, 0).all()
+            start.near.connect_within(0.15)
+
+        def step(self, world):
+            born = world.sheep.add(x=[0.6, 0.7], y=0.5)
+            wolf = world.wolf.add(x=0.8, y=0.5)
+            world.herd.connect(born, [wolf[0], wolf[0]])
+
+    simulation = gridlock.Simulation(model=Herd, box=OBLONG)
+    pairs_of = lambda network: {frozenset(np.round(frame.x[np.isin(frame.ids, pair)], 2).tolist()) for pair in frame.networks[network].ids}  # noqa: E731
+    frame = simulation.frame
+    assert pairs_of("near") == {frozenset({0.1, 0.2}), frozenset({0.2, 0.32})}
+    assert pairs_of("herd") == {frozenset({0.1, 0.2}), frozenset({0.32, 0.9})}
+    simulation.run(steps=1)
+    frame = simulation.frame
+    assert pairs_of("herd") == {frozenset({0.1, 0.2}), frozenset({0.32, 0.9}), frozenset({0.6, 0.8}), frozenset({0.7, 0.8})}
+
+
+def test_whole_numbers_that_look_like_a_mask_remove_nobody():
+    with pytest.raises(gridlock.RunFailure, match=r"is it a mask\? remove\(world.dead == 1\)"):
+        stepped(lambda world: world.remove((world.kind == 1).astype(int)))

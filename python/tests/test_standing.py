@@ -227,6 +227,7 @@ def test_agents_that_overlap_at_first_can_only_move_away_from_each_other():
 @pytest.mark.parametrize("arguments, message", [
     ({"radius": -1.0}, "the radius is -1.0"),
     ({"radius": 0.01, "parts": 0}, "0 parts"),
+    ({"radius": 0.01, "parts": 10**8}, "use 1 to 1000 parts"),
     ({"radius": 0.2}, "at most a quarter of the shorter side"),
     ({"radius": 0.001, "parts": 1}, "could jump over another"),
     ({"radius": [0.1]}, "shape"),
