@@ -66,9 +66,10 @@ std::vector<std::string> const* words_of(Table const& table, char const* name) {
 /// Sets the run of a row up again. Errors: Error for a row that cannot be read, or whose run cannot be made.
 Setup setup_of(RunOfStudy const& run, VerifyOptions const& options) {
   constexpr std::size_t digits = 16;
-  if (run.state_hash.size() != digits || run.state_hash.find_first_not_of("0123456789abcdef") != std::string::npos)
+  if (run.state_hash.size() != digits || run.state_hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
     throw Error(
         {.what = fmt::format("\"{}\" is no state hash", run.state_hash), .hint = "put back a copy of the file"});
+  }
   return set_up(settings_of(run), {.threads = options.threads});
 }
 

@@ -275,24 +275,25 @@ class NarrowCells final : public ChainDisks {
   /// Inlined, for a function that returns nothing and writes nothing may be left out by the compiler.
   template <Way way>
   [[gnu::always_inline]] void fetch_ahead(int cell) const {
-    int const along = way == Way::right ? 1 : stride_;
-    int const aside = way == Way::right ? stride_ : 1;
-    int const far = cell + (way == Way::right ? 40 : 8 * stride_);
+    std::ptrdiff_t const stride = stride_;
+    std::ptrdiff_t const along = way == Way::right ? 1 : stride;
+    std::ptrdiff_t const aside = way == Way::right ? stride : 1;
+    std::ptrdiff_t const far = cell + (way == Way::right ? 40 : 8 * stride);
     if constexpr (way == Way::right) {
-      for (int k = -2; k <= 2; ++k) {
-        __builtin_prefetch(rough_.data() + far + k * stride_);
-        __builtin_prefetch(numbers_.data() + far + k * stride_);
+      for (std::ptrdiff_t k = -2; k <= 2; ++k) {
+        __builtin_prefetch(rough_.data() + far + k * stride);
+        __builtin_prefetch(numbers_.data() + far + k * stride);
       }
     } else {
-      for (int const row : {far, far + stride_}) {
+      for (std::ptrdiff_t const row : {far, far + stride}) {
         __builtin_prefetch(rough_.data() + row - 2);
         __builtin_prefetch(rough_.data() + row + 4);
         __builtin_prefetch(numbers_.data() + row);
       }
     }
-    for (int k = -1; k <= 1; ++k) {
-      int const near = cell + 5 * along + k * aside;
-      Number const disk = numbers_[index(near)] != nobody ? numbers_[index(near)] : numbers_[index(near + along)];
+    for (std::ptrdiff_t k = -1; k <= 1; ++k) {
+      Number const* const near = numbers_.data() + cell + 5 * along + k * aside;
+      Number const disk = *near != nobody ? *near : near[along];
       if (disk != nobody) __builtin_prefetch(places_.data() + disk);
     }
   }
