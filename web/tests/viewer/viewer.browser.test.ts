@@ -480,7 +480,7 @@ describe("A file on the static page", () => {
     });
     expect(upperRight).toEqual([0, 105, 56, 255]);
     await chosen.selectOption("");
-    await expect.poll(() => canvases.count()).toBe(2);
+    await expect.poll(() => canvases.first().isVisible()).toBe(false);
   });
 
   test("is shown by the page that is one file on a disk", async () => {
