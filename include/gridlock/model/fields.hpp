@@ -105,7 +105,8 @@ std::size_t rows_of_squares(Box const& box, std::size_t columns);
 /// model has it, Model::rows(Tag).
 template <class Model>
 std::vector<FieldShape> shapes_of_fields(Model const& model, Box const& box) {
-  auto const shape = [&]<class Tag>(std::type_identity<Tag>) -> FieldShape {
+  auto const shape = [&](auto tag) -> FieldShape {
+    using Tag = typename decltype(tag)::type;
     std::size_t const columns = model.columns(Tag{});
     if constexpr (requires { model.rows(Tag{}); }) {
       return {std::string(Tag::name), columns, model.rows(Tag{})};

@@ -262,10 +262,11 @@ class ModelEngine final : public EngineFor<Model> {
 
   /// Synchronous: returns whether no agent moves, is born or dies in this step, so that all rows stay in order.
   [[nodiscard]] bool nobody_moves(World<Model> const& world) const {
-    auto const is_same = [&]<class Column>() {
+    auto const is_same = [&](auto column_type) {
+      using Column = typename decltype(column_type)::type;
       return std::ranges::equal(world.agents.template column<Column>(), order_.next().template values<Column>());
     };
-    return is_same.template operator()<X>() && is_same.template operator()<Y>() &&
+    return is_same(std::type_identity<X>{}) && is_same(std::type_identity<Y>{}) &&
            std::ranges::all_of(commands_, [](DeferredCommands<Model> const& commands) {
              return commands.births.empty() && commands.deaths.empty();
            });

@@ -164,7 +164,8 @@ class NetworksOfStep {
 /// Returns the networks of a model, without edges, in the order of their names.
 template <class Model>
 std::vector<Network> empty_networks() {
-  auto const network = []<class Tag>(std::type_identity<Tag>) {
+  auto const network = [](auto tag) {
+    using Tag = typename decltype(tag)::type;
     if constexpr (requires { Tag::is_directed; }) {
       return Network(std::string(Tag::name), Tag::is_directed);
     } else {

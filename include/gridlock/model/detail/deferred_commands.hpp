@@ -78,7 +78,8 @@ class ChangesOfFields {
  private:
   template <class... Columns>
   static void give(Population<Columns...>& agents, Take const& take) {
-    auto const give_to = [&]<class Column>(std::type_identity<Column>) {
+    auto const give_to = [&](auto column_type) {
+      using Column = typename decltype(column_type)::type;
       if constexpr (std::is_same_v<typename Column::type, double>) {
         if (take.column != Population<Columns...>::template place_of<Column>) return;
         agents.template column<Column>()[take.row] += take.amount;
