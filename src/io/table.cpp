@@ -19,10 +19,12 @@ namespace {
 
 constexpr std::size_t max_problems = 10;
 
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets begin a file with it
+
 /// Returns whether a name of a column can be written without quotes and is read back unchanged. The reader removes
-/// spaces at both ends.
+/// spaces at both ends, and a byte order mark before the first name.
 bool is_usable_name(std::string_view name) {
-  return !name.empty() && name.front() != ' ' && name.back() != ' ' &&
+  return !name.empty() && name.front() != ' ' && name.back() != ' ' && !name.starts_with(byte_order_mark) &&
          name.find_first_of(",\"\r\n#") == std::string_view::npos;
 }
 
@@ -147,7 +149,7 @@ class CsvReader {
         report("a column has no name", "the first line has to name every column", entry.column);
       } else if (!is_usable_name(entry.text)) {
         report(fmt::format("{} cannot name a column", in_quotes(entry.text)),
-               "names hold no comma, quote or #, and no space at their ends", entry.column);
+               "names hold no comma, quote or #, no space at their ends, and no byte order mark", entry.column);
       } else if (std::ranges::find(names_, entry.text) != names_.end()) {
         report(fmt::format("two columns are named {}", in_quotes(entry.text)), "rename one of them", entry.column);
       }
@@ -267,7 +269,6 @@ std::string to_csv(Table const& table) {
 void write_csv(Table const& table, std::filesystem::path const& path) { write_file(path, to_csv(table)); }
 
 Table parse_csv(std::string_view text, std::string const& name) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets begin a file with it
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   return CsvReader(text, name).read();
 }

@@ -118,6 +118,8 @@ TEST(Table, RefusesAnEmptyFileAndNamesThatDoNotName) {
   // Only quotes keep the spaces at the ends of a name, and names are written without quotes.
   EXPECT_EQ(problems_of_table("a,\" b\"\n1,2\n").at(0).what, "\" b\" cannot name a column");
   EXPECT_EQ(problems_of_table("a,\"b \"\n1,2\n").at(0).what, "\"b \" cannot name a column");
+  std::string const two_marks = "\xEF\xBB\xBF\xEF\xBB\xBF";
+  EXPECT_TRUE(problems_of_table(two_marks + "a,b\n1,2\n").at(0).what.ends_with("a\" cannot name a column"));
 }
 
 TEST(Table, ReportsTenProblemsAtMost) {
