@@ -1,7 +1,8 @@
-// A field of 1,000 × 1,000 cells that spreads for one time step, exactly, beside the plain explicit step of five cells,
-// which needs λ = D t / h² < 1/4, in a loop that the compiler vectorises.
+// A field of 1,000 × 1,000 cells that spreads for one time step, exactly, beside two loops that the compiler vectorises:
+// the same exact step without edges, and the explicit step of five cells, which needs λ = D t / h² < 1/4.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -27,12 +28,37 @@ constexpr double steps = 10.0;
   }
 }
 
+/// The weights e^(−2λ) Iₙ(2λ), n = 0, 1 …
+std::vector<double> weights_of(double lambda) {
+  std::vector<double> weights;
+  for (double n = 0.0; weights.empty() || weights.back() > 1e-17; n += 1.0) {
+    weights.push_back(std::exp(-2.0 * lambda) * std::cyl_bessel_i(n, 2.0 * lambda));
+  }
+  return weights;
+}
+
+/// Adds weights[n] (now[k − n distance] + now[k + n distance]) over n to each cell farther than the last n from the edges.
+[[gnu::noinline]] void add_weighted(double const* __restrict now, double* __restrict next,
+                                    std::vector<double> const& weights, std::size_t distance) {
+  std::size_t const reach = weights.size() - 1;
+  for (std::size_t row = reach; row + reach < side; ++row) {
+    std::size_t const first = row * side + reach;
+    std::size_t const last = (row + 1) * side - reach;
+    for (std::size_t k = first; k < last; ++k) next[k] = weights[0] * now[k];
+    for (std::size_t n = 1; n <= reach; ++n) {
+      double const weight = weights[n];
+      for (std::size_t k = first; k < last; ++k) next[k] += weight * (now[k - n * distance] + now[k + n * distance]);
+    }
+  }
+}
+
 void race_to_spread(double lambda, std::uint64_t threads) {
   Box const box(side, side, Edge::periodic);
   Field field("heat", side, side);
   for (std::size_t k = 0; k < field.size(); ++k) field.values()[k] = static_cast<double>(k * 7919 % 1000);
   std::vector<double> now(field.values().begin(), field.values().end());
   std::vector<double> next = now;
+  std::vector<double> const weights = weights_of(lambda);
   ThreadPool pool(threads);
   ThreadPool alone(1);
   Field other = field;
@@ -53,6 +79,15 @@ void race_to_spread(double lambda, std::uint64_t threads) {
                for (double k = 0.0; k < steps; k += 1.0) {
                  step_explicitly(now.data(), next.data(), lambda);
                  std::swap(now, next);
+               }
+             }},
+        {.name = "exact, plain loops",
+         .items = steps * side * side,
+         .run =
+             [&] {
+               for (double k = 0.0; k < steps; k += 1.0) {
+                 add_weighted(now.data(), next.data(), weights, 1);
+                 add_weighted(next.data(), now.data(), weights, side);
                }
              }},
         alone_by_processor});

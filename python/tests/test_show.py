@@ -359,7 +359,7 @@ def test_every_setting_has_a_control_of_its_kind():
     assert {one.kind for one in known.values()} == {"number", "integer", "switch", "text", "choice"}
 
 
-def test_the_command_finds_the_model_of_a_file(tmp_path, capsys):
+def test_the_command_finds_the_model_of_a_file(page_folder, tmp_path, capsys):
     file = tmp_path / "two.py"
     file.write_text("import gridlock\nclass A(gridlock.Model):\n    name = 'a'\nclass B(gridlock.Model):\n    name = 'b'\n"
                     "if __name__ == '__main__':\n    raise SystemExit(3)\n")
