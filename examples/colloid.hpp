@@ -4,9 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -98,31 +96,17 @@ struct ColloidRule {
   }
 
   void turn(Turn<Self>& self) const {
-    double const substep = self.time_step() / static_cast<double>(substeps);
-    require_short(self, substep);
     ++self.counters().moves;
-    Vector const displacement = substep * velocity(self);
-    Vector here = self.position();
-    int crossed_x = 0;
-    int crossed_y = 0;
-    for (std::uint64_t m = 0; m < substeps; ++m) {
-      Vector trial = here + displacement;
-      if (hits_wall(self, trial)) break;
-      int trial_crossed_x = crossed_x;
-      int trial_crossed_y = crossed_y;
-      // Wrapping rounds, so it comes before the look at others: what is looked at is what is kept.
-      trial = self.box().wrap(trial, trial_crossed_x, trial_crossed_y);
-      if (auto const partner = overlapped(self, trial)) {
-        collide(self, here, *partner);
-        break;
-      }
-      here = trial;
-      crossed_x = trial_crossed_x;
-      crossed_y = trial_crossed_y;
+    Vector const displacement = (self.time_step() / static_cast<double>(substeps)) * velocity(self);
+    Halt<Self> const halt = move_apart(self, displacement, substeps);
+    if (!halt) return;
+    self.count(2);
+    ++self.counters().halted_moves;
+    if (halt.partner) {
+      collide(self, *halt.partner);
+    } else {
+      turn_back(self, halt.wall);
     }
-    self.template set<ImageX>(self.template get<ImageX>() + crossed_x);
-    self.template set<ImageY>(self.template get<ImageY>() + crossed_y);
-    self.move_to(here);
   }
 
   void observe(AgentSums<Self> const& all, Observations& seen) const {
@@ -149,55 +133,23 @@ struct ColloidRule {
   /// Exact: half of twice the largest radius.
   static double largest_contact(Turn<Self> const& self) { return self.template get<Radius>() + 0.5 * self.cutoff(); }
 
-  /// A disk that covers a contact distance in one sub-step could come out behind the one it should have met.
-  static void require_short(Turn<Self> const& self, double substep) {
-    double const radius = self.template get<Radius>();
-    if (squared_length(velocity(self)) * substep * substep < radius * radius) return;
-    throw RunFailure("step " + std::to_string(self.clock().step) + ": disk " + std::to_string(self.id()) +
-                     " covers more than its radius in one sub-step and could jump over another\n  hint: use a smaller "
-                     "step_length or more substeps");
-  }
-
-  static bool hits_wall(Turn<Self>& self, Vector trial) {
-    if (self.box().is_periodic()) return false;
-    double const r = self.template get<Radius>();
+  static void turn_back(Turn<Self>& self, Bounce wall) {
     Vector v = velocity(self);
-    bool is_hit = false;
-    auto const reflect = [&](Counters::Wall wall, double& component) {
-      ++self.counters().wall_hits[wall];
-      self.counters().wall_impulse[wall] += 2.0 * self.template get<Mass>() * std::abs(component);
+    auto const reflect = [&](Counters::Wall left, Counters::Wall right, double& component) {
+      Counters::Wall const side = component < 0.0 ? left : right;
+      ++self.counters().wall_hits[side];
+      self.counters().wall_impulse[side] += 2.0 * self.template get<Mass>() * std::abs(component);
       component = -component;
-      is_hit = true;
     };
-    if (trial.x < r) reflect(Counters::left, v.x);
-    if (trial.x > self.box().width() - r) reflect(Counters::right, v.x);
-    if (trial.y < r) reflect(Counters::bottom, v.y);
-    if (trial.y > self.box().height() - r) reflect(Counters::top, v.y);
-    if (!is_hit) return false;
+    if (wall.x) reflect(Counters::left, Counters::right, v.x);
+    if (wall.y) reflect(Counters::bottom, Counters::top, v.y);
     set_velocity(self, v);
     self.count(1);
-    count_halt(self);
-    return true;
-  }
-
-  static std::optional<Neighbour<Self>> overlapped(Turn<Self> const& self, Vector trial) {
-    double nearest = std::numeric_limits<double>::infinity();
-    std::optional<Neighbour<Self>> partner;
-    self.for_each_neighbour(trial, largest_contact(self), [&](Neighbour<Self> const& other) {
-      double const touching = self.template get<Radius>() + other.template get<Radius>();
-      double const distance = squared_length(other.separation());
-      if (!(distance < touching * touching) || distance > nearest) return;
-      if (distance == nearest && other.id() > partner->id()) return;
-      nearest = distance;
-      partner.emplace(other);
-    });
-    return partner;
   }
 
   /// Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b and the opposite impulse for j, with w = v_i − v_j and b = r_j − r_i.
-  void collide(Turn<Self>& self, Vector here, Neighbour<Self> const& other) const {
-    count_halt(self);
-    Vector const b = self.box().displacement(here, other.position());
+  void collide(Turn<Self>& self, Neighbour<Self> const& other) const {
+    Vector const b = self.box().displacement(self.position(), other.position());
     double const approach = dot(velocity(self) - velocity(other), b);
     if (contact == CollisionRule::approaching && !(approach > 0.0)) return;
     double const m_i = self.template get<Mass>();
@@ -209,11 +161,6 @@ struct ColloidRule {
     self.count(0);
     ++self.counters().pair_collisions;
     self.counters().pair_virial -= m_i * dot(b, change);
-  }
-
-  static void count_halt(Turn<Self>& self) {
-    self.count(2);
-    ++self.counters().halted_moves;
   }
 };
 

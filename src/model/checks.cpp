@@ -9,6 +9,7 @@
 #include <string>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/model/move_apart.hpp"
 
 namespace gridlock {
 
@@ -110,5 +111,25 @@ void require_good_step(std::uint64_t step, double cutoff, double time_step) {
                   "model: cutoff() and time_step() have to return finite numbers above 0",
                   step, cutoff, time_step));
 }
+
+namespace detail {
+
+void require_short_part(std::uint64_t step, Id agent, Vector part, double radius) {
+  if (squared_length(part) < radius * radius) return;
+  throw RunFailure(
+      fmt::format("step {}: agent {} of radius {} moves by {} in one part and could jump over another\n  hint: a part "
+                  "has to be shorter than the radius: use more and shorter parts",
+                  step, agent, in_words(radius), in_words(part)));
+}
+
+void require_radius(std::uint64_t step, Id agent, double radius, double cutoff) {
+  if (2.0 * radius <= cutoff) return;
+  throw RunFailure(
+      fmt::format("step {}: agent {} has a radius of {}, but the model declares a cutoff of {}\n  hint: this is a "
+                  "mistake of the model: let cutoff() return at least twice the largest radius",
+                  step, agent, in_words(radius), in_words(cutoff)));
+}
+
+}  // namespace detail
 
 }  // namespace gridlock

@@ -2,6 +2,8 @@
 #include "models/catalyst.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
+#include "models/predation.hpp"
+#include "models/segregation.hpp"
 #include "simulation/disks_kind.hpp"
 
 namespace gridlock {
@@ -22,6 +24,8 @@ ModelKinds shipped_models() {
   add<Flocking>(kinds);
   add<Epidemic>(kinds);
   add<Catalyst>(kinds);
+  add<Predation>(kinds);
+  add<Segregation>(kinds);
   return kinds;
 }
 

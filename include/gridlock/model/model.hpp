@@ -15,6 +15,7 @@
 #include "gridlock/core/vector.hpp"
 #include "gridlock/model/agent_sums.hpp"
 #include "gridlock/model/model_engine.hpp"
+#include "gridlock/model/move_apart.hpp"
 #include "gridlock/model/networks.hpp"
 
 namespace gridlock {

@@ -1,0 +1,218 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/model/model.hpp"
+
+namespace gridlock {
+
+struct Animal {
+  using type = std::uint32_t;
+  static constexpr char const* name = "kind";
+  static constexpr std::array<std::string_view, 2> value_names{"sheep", "wolf"};
+};
+struct Energy {
+  using type = double;
+  static constexpr char const* name = "energy";
+};
+/// Steps until the grass of a cell is grown; 0 where it is.
+struct Bare {
+  static constexpr std::string_view name = "bare";
+};
+
+/// Sheep that eat grass and wolves that eat sheep, on the cells of a meadow, by the rules of the public comparison of
+/// agent frameworks (doi:10.5281/zenodo.8016506).
+///
+/// In a step all sheep take their turn, in a random order; then all wolves; then the grass. An animal goes to one of
+/// the 8 cells around its own, where walls keep it in its row or column, and loses 1 of its energy. A sheep eats grown
+/// grass in its cell, for `sheep_gain`; a wolf eats one of the sheep in its cell, for `wolf_gain`. With less than 0 the
+/// animal dies; otherwise it bears young with a probability, and they share its energy. Lambs may be eaten in the step
+/// of their birth. Eaten grass is grown again after `regrowth` steps. Source: U. Wilensky (1997),
+/// ccl.northwestern.edu/netlogo/models/WolfSheepPredation.
+struct Predation {
+  static constexpr std::string_view name = "predation";
+  static constexpr std::string_view documentation = "Wolves that eat sheep, which eat grass, which grows again.";
+  static constexpr Schedule schedule = Schedule::events;
+  enum Kind : std::uint32_t { a_sheep, a_wolf };
+  static constexpr std::array<std::string_view, 6> events{"meals_of_sheep", "meals_of_wolves", "lambs",
+                                                          "pups",           "starved_sheep",   "starved_wolves"};
+  using Agents = Population<X, Y, Animal, Energy>;
+  using Fields = FieldSet<Bare>;
+
+  std::uint64_t side = 25;
+  std::uint64_t sheep = 60;
+  std::uint64_t wolves = 40;
+  std::uint64_t regrowth = 20;
+  double sheep_gain = 5.0;
+  double wolf_gain = 13.0;
+  double sheep_birth = 0.2;
+  double wolf_birth = 0.1;
+
+  void describe(SettingVisitor& visitor) {
+    visitor.visit({.key = "side", .documentation = "Cells along x.", .min = 2, .max = 5000}, side);
+    visitor.visit({.key = "sheep", .documentation = "At the start.", .max = 1e9}, sheep);
+    visitor.visit({.key = "wolves", .documentation = "At the start.", .max = 1e9}, wolves);
+    visitor.visit(
+        {.key = "regrowth", .unit = "steps", .documentation = "Until eaten grass is grown.", .min = 1, .max = 1e9},
+        regrowth);
+    auto const number = [&](std::string_view key, std::string_view text, double max, double& value) {
+      visitor.visit({.key = key, .documentation = text, .min = 0.0, .max = max}, value);
+    };
+    number("sheep_gain", "Energy in the grass of a cell.", 1000.0, sheep_gain);
+    number("wolf_gain", "Energy in a sheep.", 1000.0, wolf_gain);
+    number("sheep_birth", "Probability that a sheep bears a lamb in a step.", 1.0, sheep_birth);
+    number("wolf_birth", "Probability that a wolf bears a pup in a step.", 1.0, wolf_birth);
+  }
+  void check(Box const& box) const { require_rectangle(box, "the model predation"); }
+  [[nodiscard]] std::uint64_t agents_at_start() const { return sheep + wolves; }
+
+  /// No animal searches for others: those in its cell are listed.
+  [[nodiscard]] double cutoff(AgentSums<Predation> const& all) const {
+    return 0.25 * std::min(all.box().width(), all.box().height());
+  }
+  [[nodiscard]] double time_step() const { return 1.0; }
+  [[nodiscard]] std::size_t columns(Bare) const { return side; }
+
+  void start_fields(World<Predation>& world) const {
+    auto const bare = field_of<Bare>(world).values();
+    for (std::size_t cell = 0; cell < bare.size(); ++cell) {
+      RandomStream random = start_random_of_cell(world, cell);
+      bool const is_grown = random.uniform() < 0.5;
+      bare[cell] = is_grown ? 0.0 : 1.0 + static_cast<double>(random.below(regrowth));
+    }
+  }
+  [[nodiscard]] Agents::Values first_agent(World<Predation> const& world, std::uint64_t number) const {
+    RandomStream random = world.start_random(number);
+    Vector const cell = size_of_cell(world.box, field_of<Bare>(world));
+    double const column = static_cast<double>(random.below(field_of<Bare>(world).columns()));
+    double const row = static_cast<double>(random.below(field_of<Bare>(world).rows()));
+    Kind const kind = number < sheep ? a_sheep : a_wolf;
+    double const energy = std::floor(random.uniform() * 2.0 * (kind == a_sheep ? sheep_gain : wolf_gain));
+    return {(column + 0.5) * cell.x, (row + 0.5) * cell.y, kind, energy};
+  }
+
+  void step(MutableWorld<Predation>& meadow) const {
+    RandomStream random = meadow.random();
+    std::array<std::vector<Id>, 2> herds;
+    for (Id const id : meadow.agents_in_random_order(random)) herds[meadow.get<Animal>(id)].push_back(id);
+    std::vector<Id> const flock = graze(meadow, random, herds[a_sheep]);
+    hunt(meadow, random, herds[a_wolf], Prey(meadow, flock));
+  }
+  void step_fields(FieldsOfStep<Predation>& fields) const {
+    for (double& bare : fields.get<Bare>().values()) bare = std::max(bare - 1.0, 0.0);
+  }
+
+  void observe(World<Predation> const& world, Observations& seen) const {
+    seen.add_counts<Animal>(world.agents, {"sheep", "wolves"});
+    auto const bare = field_of<Bare>(world).values();
+    double const grown = static_cast<double>(std::ranges::count(bare, 0.0));
+    seen.add("grass", grown / static_cast<double>(bare.size()), "Share of cells with grown grass.");
+    auto const energy = [](auto const& animal) {
+      return animal.template get<Animal>() == a_sheep ? animal.template get<Energy>() : 0.0;
+    };
+    seen.add("energy_of_sheep", AgentSums<Predation>(world).sum(energy), "Energy of all sheep.");
+  }
+
+ private:
+  /// The sheep in each cell after they have grazed.
+  class Prey {
+   public:
+    Prey(MutableWorld<Predation> const& meadow, std::vector<Id> const& flock)
+        : bare_(meadow.field<Bare>()), first_(bare_.size() + 1), left_(bare_.size()), sheep_(flock.size()) {
+      std::vector<std::size_t> cells;
+      for (Id const id : flock) cells.push_back(bare_.cell_of(meadow.box(), meadow.position(id)));
+      for (std::size_t const cell : cells) ++first_[cell + 1];
+      for (std::size_t cell = 0; cell < left_.size(); ++cell) first_[cell + 1] += first_[cell];
+      for (std::size_t k = 0; k < flock.size(); ++k) sheep_[first_[cells[k]] + left_[cells[k]]++] = flock[k];
+    }
+    /// Takes one of the sheep in the cell around a point, if there is one.
+    std::optional<Id> take(MutableWorld<Predation> const& meadow, Vector p, RandomStream& random) {
+      std::size_t const cell = bare_.cell_of(meadow.box(), p);
+      if (left_[cell] == 0) return {};
+      Id& taken = sheep_[first_[cell] + random.below(left_[cell])];
+      std::swap(taken, sheep_[first_[cell] + --left_[cell]]);
+      return sheep_[first_[cell] + left_[cell]];
+    }
+
+   private:
+    Field const& bare_;
+    std::vector<std::uint32_t> first_;
+    std::vector<std::uint32_t> left_;
+    std::vector<Id> sheep_;
+  };
+
+  static Vector size_of_cell(Box const& box, Field const& field) {
+    return {box.width() / static_cast<double>(field.columns()), box.height() / static_cast<double>(field.rows())};
+  }
+  /// Counts an event of sheep, or the one of wolves behind it.
+  static void count(MutableWorld<Predation>& meadow, std::size_t event_of_sheep, Kind kind) {
+    meadow.count(event_of_sheep + kind);
+  }
+
+  /// Returns the sheep that live on, with their lambs.
+  std::vector<Id> graze(MutableWorld<Predation>& meadow, RandomStream& random, std::vector<Id> const& flock) const {
+    std::vector<Id> alive;
+    for (Id const id : flock) {
+      Vector const p = hop(meadow, random, id);
+      double energy = meadow.get<Energy>(id) - 1.0;
+      if (meadow.at<Bare>(p) == 0.0) {
+        energy += sheep_gain;
+        meadow.deposit<Bare>(p, static_cast<double>(regrowth));
+        count(meadow, 0, a_sheep);
+      }
+      live_on(meadow, random, id, energy, alive);
+    }
+    return alive;
+  }
+
+  void hunt(MutableWorld<Predation>& meadow, RandomStream& random, std::vector<Id> const& pack, Prey prey) const {
+    std::vector<Id> alive;
+    for (Id const id : pack) {
+      Vector const p = hop(meadow, random, id);
+      double energy = meadow.get<Energy>(id) - 1.0;
+      if (std::optional<Id> const eaten = prey.take(meadow, p, random)) {
+        energy += wolf_gain;
+        meadow.remove(*eaten);
+        count(meadow, 0, a_wolf);
+      }
+      live_on(meadow, random, id, energy, alive);
+    }
+  }
+
+  static Vector hop(MutableWorld<Predation>& meadow, RandomStream& random, Id id) {
+    std::uint64_t const drawn = random.below(8);
+    std::uint64_t const place = drawn < 4 ? drawn : drawn + 1;  // of 3 × 3 cells; 4 is the one in the middle
+    Vector const cell = size_of_cell(meadow.box(), meadow.field<Bare>());
+    Vector const by{(static_cast<double>(place % 3) - 1.0) * cell.x, (static_cast<double>(place / 3) - 1.0) * cell.y};
+    Vector const p = motion(meadow.box(), meadow.position(id), by).end;
+    meadow.move_to(id, p);
+    return p;
+  }
+
+  /// Lets an animal starve, or live on and bear young; adds the living to `alive`.
+  void live_on(MutableWorld<Predation>& meadow, RandomStream& random, Id id, double energy,
+               std::vector<Id>& alive) const {
+    auto const kind = static_cast<Kind>(meadow.get<Animal>(id));
+    if (energy < 0.0) {
+      meadow.remove(id);
+      count(meadow, 4, kind);
+      return;
+    }
+    alive.push_back(id);
+    bool const bears = random.uniform() < (kind == a_sheep ? sheep_birth : wolf_birth);
+    meadow.set<Energy>(id, bears ? 0.5 * energy : energy);
+    if (!bears) return;
+    Vector const p = meadow.position(id);
+    alive.push_back(meadow.add(p.x, p.y, static_cast<std::uint32_t>(kind), 0.5 * energy));
+    count(meadow, 2, kind);
+  }
+};
+
+}  // namespace gridlock
