@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gridlock/model/model.hpp"
@@ -101,9 +102,10 @@ struct Predation {
   void step(MutableWorld<Predation>& meadow) const {
     RandomStream random = meadow.random();
     std::array<std::vector<Id>, 2> herds;
+    for (std::vector<Id>& herd : herds) herd.reserve(meadow.size());
     for (Id const id : meadow.agents_in_random_order(random)) herds[meadow.get<Animal>(id)].push_back(id);
-    std::vector<Id> const flock = graze(meadow, random, herds[a_sheep]);
-    hunt(meadow, random, herds[a_wolf], Prey(meadow, flock));
+    std::vector<Place> const flock = graze(meadow, random, herds[a_sheep]);
+    hunt(meadow, random, herds[a_wolf], Prey(meadow.field<Bare>().size(), flock));
   }
   void step_fields(FieldsOfStep<Predation>& fields) const {
     for (double& bare : fields.get<Bare>().values()) bare = std::max(bare - 1.0, 0.0);
@@ -121,97 +123,111 @@ struct Predation {
   }
 
  private:
+  /// An animal, and the cell where it is.
+  struct Place {
+    Id id;
+    std::size_t cell;
+  };
+
   /// The sheep in each cell after they have grazed.
   class Prey {
    public:
-    Prey(MutableWorld<Predation> const& meadow, std::vector<Id> const& flock)
-        : bare_(meadow.field<Bare>()), first_(bare_.size() + 1), left_(bare_.size()), sheep_(flock.size()) {
-      std::vector<std::size_t> cells;
-      for (Id const id : flock) cells.push_back(bare_.cell_of(meadow.box(), meadow.position(id)));
-      for (std::size_t const cell : cells) ++first_[cell + 1];
-      for (std::size_t cell = 0; cell < left_.size(); ++cell) first_[cell + 1] += first_[cell];
-      for (std::size_t k = 0; k < flock.size(); ++k) sheep_[first_[cells[k]] + left_[cells[k]]++] = flock[k];
+    Prey(std::size_t cells, std::vector<Place> const& flock) : first_(cells + 1), left_(cells), sheep_(flock.size()) {
+      for (Place const& sheep : flock) ++first_[sheep.cell + 1];
+      for (std::size_t cell = 0; cell < cells; ++cell) first_[cell + 1] += first_[cell];
+      for (auto const& [id, cell] : flock) sheep_[first_[cell] + left_[cell]++] = id;
     }
-    /// Takes one of the sheep in the cell around a point, if there is one.
-    std::optional<Id> take(MutableWorld<Predation> const& meadow, Vector p, RandomStream& random) {
-      std::size_t const cell = bare_.cell_of(meadow.box(), p);
+    /// Takes one of the sheep in a cell, if there is one.
+    std::optional<Id> take(std::size_t cell, RandomStream& random) {
       if (left_[cell] == 0) return {};
-      Id& taken = sheep_[first_[cell] + random.below(left_[cell])];
-      std::swap(taken, sheep_[first_[cell] + --left_[cell]]);
-      return sheep_[first_[cell] + left_[cell]];
+      std::swap(sheep_[first_[cell] + random.below(left_[cell])], sheep_[first_[cell] + left_[cell] - 1]);
+      return sheep_[first_[cell] + --left_[cell]];
     }
 
    private:
-    Field const& bare_;
     std::vector<std::uint32_t> first_;
     std::vector<std::uint32_t> left_;
     std::vector<Id> sheep_;
   };
 
+  /// The 8 hops of an animal.
+  class Hops {
+   public:
+    explicit Hops(MutableWorld<Predation>& meadow) : meadow_(meadow), bare_(meadow.field<Bare>()) {
+      Vector const cell = size_of_cell(meadow.box(), bare_);
+      for (std::size_t k = 0; k < ways_.size(); ++k) {
+        std::size_t const place = k < 4 ? k : k + 1;  // of 3 × 3 cells; 4 is the one in the middle
+        ways_[k] = {(static_cast<double>(place % 3) - 1.0) * cell.x, (static_cast<double>(place / 3) - 1.0) * cell.y};
+      }
+    }
+    /// Moves an animal to one of the 8 cells around its own; returns its cell.
+    std::size_t take(Id id, RandomStream& random) const {
+      Vector const p = motion(meadow_.box(), meadow_.position(id), ways_[random.bits() >> 61]).end;
+      meadow_.move_to(id, p);
+      return bare_.cell_of(meadow_.box(), p);
+    }
+
+   private:
+    MutableWorld<Predation>& meadow_;
+    Field const& bare_;
+    std::array<Vector, 8> ways_;
+  };
+
   static Vector size_of_cell(Box const& box, Field const& field) {
     return {box.width() / static_cast<double>(field.columns()), box.height() / static_cast<double>(field.rows())};
   }
-  /// Counts an event of sheep, or the one of wolves behind it.
-  static void count(MutableWorld<Predation>& meadow, std::size_t event_of_sheep, Kind kind) {
-    meadow.count(event_of_sheep + kind);
-  }
-
   /// Returns the sheep that live on, with their lambs.
-  std::vector<Id> graze(MutableWorld<Predation>& meadow, RandomStream& random, std::vector<Id> const& flock) const {
-    std::vector<Id> alive;
+  std::vector<Place> graze(MutableWorld<Predation>& meadow, RandomStream& random, std::vector<Id> const& flock) const {
+    std::vector<Place> alive;
+    alive.reserve(2 * flock.size());
+    Hops const hops(meadow);
     for (Id const id : flock) {
-      Vector const p = hop(meadow, random, id);
+      std::size_t const cell = hops.take(id, random);
       double energy = meadow.get<Energy>(id) - 1.0;
-      if (meadow.at<Bare>(p) == 0.0) {
+      if (meadow.field<Bare>().values()[cell] == 0.0) {
         energy += sheep_gain;
-        meadow.deposit<Bare>(p, static_cast<double>(regrowth));
-        count(meadow, 0, a_sheep);
+        meadow.deposit<Bare>(meadow.position(id), static_cast<double>(regrowth));
+        meadow.count(0);
       }
-      live_on(meadow, random, id, energy, alive);
+      Fate const fate = live_on<a_sheep>(meadow, random, id, energy);
+      if (fate.lives) alive.push_back({id, cell});
+      if (fate.young) alive.push_back({*fate.young, cell});
     }
     return alive;
   }
 
   void hunt(MutableWorld<Predation>& meadow, RandomStream& random, std::vector<Id> const& pack, Prey prey) const {
-    std::vector<Id> alive;
+    Hops const hops(meadow);
     for (Id const id : pack) {
-      Vector const p = hop(meadow, random, id);
+      std::size_t const cell = hops.take(id, random);
       double energy = meadow.get<Energy>(id) - 1.0;
-      if (std::optional<Id> const eaten = prey.take(meadow, p, random)) {
+      if (std::optional<Id> const eaten = prey.take(cell, random)) {
         energy += wolf_gain;
         meadow.remove(*eaten);
-        count(meadow, 0, a_wolf);
+        meadow.count(1);
       }
-      live_on(meadow, random, id, energy, alive);
+      live_on<a_wolf>(meadow, random, id, energy);
     }
   }
 
-  static Vector hop(MutableWorld<Predation>& meadow, RandomStream& random, Id id) {
-    std::uint64_t const drawn = random.below(8);
-    std::uint64_t const place = drawn < 4 ? drawn : drawn + 1;  // of 3 × 3 cells; 4 is the one in the middle
-    Vector const cell = size_of_cell(meadow.box(), meadow.field<Bare>());
-    Vector const by{(static_cast<double>(place % 3) - 1.0) * cell.x, (static_cast<double>(place / 3) - 1.0) * cell.y};
-    Vector const p = motion(meadow.box(), meadow.position(id), by).end;
-    meadow.move_to(id, p);
-    return p;
-  }
-
-  /// Lets an animal starve, or live on and bear young; adds the living to `alive`.
-  void live_on(MutableWorld<Predation>& meadow, RandomStream& random, Id id, double energy,
-               std::vector<Id>& alive) const {
-    auto const kind = static_cast<Kind>(meadow.get<Animal>(id));
+  struct Fate {
+    bool lives = false;
+    std::optional<Id> young;
+  };
+  /// Lets an animal starve, or live on and perhaps bear young.
+  template <Kind kind>
+  Fate live_on(MutableWorld<Predation>& meadow, RandomStream& random, Id id, double energy) const {
     if (energy < 0.0) {
       meadow.remove(id);
-      count(meadow, 4, kind);
-      return;
+      meadow.count(4 + kind);
+      return {};
     }
-    alive.push_back(id);
     bool const bears = random.uniform() < (kind == a_sheep ? sheep_birth : wolf_birth);
     meadow.set<Energy>(id, bears ? 0.5 * energy : energy);
-    if (!bears) return;
+    if (!bears) return {.lives = true};
+    meadow.count(2 + kind);
     Vector const p = meadow.position(id);
-    alive.push_back(meadow.add(p.x, p.y, static_cast<std::uint32_t>(kind), 0.5 * energy));
-    count(meadow, 2, kind);
+    return {.lives = true, .young = meadow.add(p.x, p.y, static_cast<std::uint32_t>(kind), 0.5 * energy)};
   }
 };
 
