@@ -3,9 +3,11 @@
 
     git clone https://github.com/JuliaDynamics/ABMFrameworksComparison comparison
     pip install mesa==3.2.0 numba
+    cmake --build build --target gridlock_bench_mesa_comparison
     PYTHONPATH=build/python benchmarks/mesa_comparison.py comparison --rounds 5
 
-Each round makes and runs every model once, with a seed of its own, on processor time. Mesa runs the programs of the comparison as they are. Its table of
+Each round makes and runs every model once, with a seed of its own, on processor time. "Gridlock, C++" is a program (mesa_comparison.cpp); "C++ from
+Python" is the same model by its settings, most of whose time in small models reads them. Boids of C++ act all at once. Mesa runs the programs of the comparison as they are. Its table of
 results has the ratios of Mesa to Agents.jl, measured there on one machine: the least time of Mesa here divided by them is what Agents.jl would take here.
 
 The published wolves and sheep in Mesa never run the simulator by which their grass grows, so that all animals die; "mended" runs it.
@@ -16,6 +18,7 @@ import gc
 import importlib
 import os
 import pathlib
+import subprocess
 import sys
 import time
 import warnings
@@ -43,14 +46,16 @@ def flocking(count, radius):
     return {"model.kind": "flocking", "flocking": {"rule": "boids", "count": count, "radius": radius, "speed": 1.0}}
 
 
+LARGE_CITY = dict(side=100, count=8000, radius=2, wanted=8)
+LARGE_MEADOW = dict(side=100, sheep=1000, wolves=500, regrowth=10, sheep_birth=0.4, wolf_birth=0.2)
+# Settings of each model in Python and in C++.
 OURS = {
-    "schelling small": {"Gridlock, Python": {"model": Schelling(), **WALLS}},
-    "schelling large": {"Gridlock, Python": {"model": Schelling(side=100, count=8000, radius=2, wanted=8), **WALLS}},
-    "wolf_sheep small": {"Gridlock, Python": {"model": WolfSheep(), **WALLS}},
-    "wolf_sheep large": {"Gridlock, Python": {"model": WolfSheep(side=100, sheep=1000, wolves=500, regrowth=10, sheep_birth=0.4, wolf_birth=0.2), **WALLS}},
-    "flocking small": {"Gridlock, Python": {"model": Boids(), **sky(100.0)}, "Gridlock, C++, all at once": {**flocking(200, 5.0), **sky(100.0)}},
-    "flocking large": {"Gridlock, Python": {"model": Boids(count=400, radius=15.0), **sky(150.0)},
-                       "Gridlock, C++, all at once": {**flocking(400, 15.0), **sky(150.0)}},
+    "schelling small": ({"model": Schelling(), **WALLS}, {"model.kind": "segregation", **WALLS}),
+    "schelling large": ({"model": Schelling(**LARGE_CITY), **WALLS}, {"model.kind": "segregation", "segregation": LARGE_CITY, **WALLS}),
+    "wolf_sheep small": ({"model": WolfSheep(), **WALLS}, {"model.kind": "predation", **WALLS}),
+    "wolf_sheep large": ({"model": WolfSheep(**LARGE_MEADOW), **WALLS}, {"model.kind": "predation", "predation": LARGE_MEADOW, **WALLS}),
+    "flocking small": ({"model": Boids(), **sky(100.0)}, {**flocking(200, 5.0), **sky(100.0)}),
+    "flocking large": ({"model": Boids(count=400, radius=15.0), **sky(150.0)}, {**flocking(400, 15.0), **sky(150.0)}),
 }
 
 
@@ -60,6 +65,17 @@ def run_ours(settings, steps):
         simulation.run(steps=steps)
 
     return run
+
+
+def programs_of_ours(model, program):
+    """Functions that return the milliseconds of a model, given a seed, by name."""
+    steps = STEPS[model.split()[0]]
+    in_python, in_cpp = (run_ours(settings, steps) for settings in OURS[model])
+
+    def run_program(seed):
+        return float(subprocess.run([program, model, str(seed)], check=True, capture_output=True, text=True).stdout)
+
+    return {"Gridlock, Python": timed(in_python), "Gridlock, C++ from Python": timed(in_cpp), "Gridlock, C++": run_program}
 
 
 def programs_of_mesa(comparison):
@@ -90,17 +106,21 @@ def programs_of_mesa(comparison):
     return programs
 
 
-def seconds(run, seed):
-    gc.collect()  # Nobody pays for the garbage of those before it.
-    began = time.process_time()
-    run(seed)
-    return time.process_time() - began
+def timed(run):
+    def milliseconds(seed):
+        gc.collect()  # Nobody pays for the garbage of those before it.
+        began = time.process_time()
+        run(seed)
+        return 1000 * (time.process_time() - began)
+
+    return milliseconds
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("comparison", type=pathlib.Path, help="a clone of the public comparison")
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/benchmarks/gridlock_bench_mesa_comparison")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "benchmarks/results/mesa_comparison.csv")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -109,13 +129,14 @@ def main():
                       f"{os.getloadavg()[0]:.1f} programs at work on {os.cpu_count()} cores at the beginning; benchmarks/mesa_comparison.py")
     file.write("benchmark,name,milliseconds_min,milliseconds_median,to_mesa,published_mesa_to_agents,to_agents")
     for model, published in PUBLISHED.items():
-        programs = {**mesa[model], **{name: run_ours(settings, STEPS[model.split()[0]]) for name, settings in OURS[model].items()}}
-        for name in OURS[model]:
-            programs[name](0)  # Numba compiles.
+        ours = programs_of_ours(model, options.program)
+        programs = {**{name: timed(run) for name, run in mesa[model].items()}, **ours}
+        for run in ours.values():
+            run(0)  # Numba compiles.
         times = {name: [] for name in programs}
         for seed in range(1, options.rounds + 1):
             for name, run in programs.items():
-                times[name].append(1000 * seconds(run, seed))
+                times[name].append(run(seed))
         mesa_least = min(times["Mesa"])
         for name, measured in times.items():
             least = min(measured)

@@ -74,9 +74,9 @@ struct Predation {
   void check(Box const& box) const { require_rectangle(box, "the model predation"); }
   [[nodiscard]] std::uint64_t agents_at_start() const { return sheep + wolves; }
 
-  /// No animal searches for others: those in its cell are listed.
+  /// No animal searches for others: those in its cell are listed, so that the grid needs no more than one cell.
   [[nodiscard]] double cutoff(AgentSums<Predation> const& all) const {
-    return 0.25 * std::min(all.box().width(), all.box().height());
+    return std::max(all.box().width(), all.box().height());
   }
   [[nodiscard]] double time_step() const { return 1.0; }
   [[nodiscard]] std::size_t columns(Bare) const { return side; }

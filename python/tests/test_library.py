@@ -23,6 +23,11 @@ def ends(settings, names, *, steps, seeds, **more):
     return [made.table[name].astype(float) for name in names]
 
 
+def in_both(model, kind, **values):
+    """Settings of a model in Python and of the same model in C++."""
+    return {"model": model(**values), **WALLS}, {"model.kind": kind, kind: values, **WALLS}
+
+
 def require_mean(values, expected, *, within=3.5):
     """The mean of independent values is an exact number, but for its standard error."""
     error = np.std(values, ddof=1) / np.sqrt(len(values))
@@ -58,14 +63,14 @@ def test_a_fire_burns_what_is_joined_to_the_left_side():
 
 def test_agents_of_schelling_start_as_happy_as_chance_has_it():
     side, count, wanted = 40, 1000, 3
-    shares = ends({"model": Schelling(side=side, count=count, wanted=wanted), **WALLS}, ["happy"], steps=0, seeds=40)[0]
     cells, like = side**2 - 1, count // 2 - 1
 
     def is_happy(neighbors):
         return 1 - sum(math.comb(like, k) * math.comb(cells - like, neighbors - k) for k in range(wanted)) / math.comb(cells, neighbors)
 
     inner, rim = (side - 2) ** 2, 4 * (side - 2)
-    require_mean(shares, (inner * is_happy(8) + rim * is_happy(5) + 4 * is_happy(3)) / side**2)
+    for city in in_both(Schelling, "segregation", side=side, count=count, wanted=wanted):
+        require_mean(ends(city, ["happy"], steps=0, seeds=40)[0], (inner * is_happy(8) + rim * is_happy(5) + 4 * is_happy(3)) / side**2)
 
 
 def test_agents_that_nothing_satisfies_stay_mixed():
@@ -100,10 +105,10 @@ def schelling_in_turns(side, count, radius, wanted, steps, seed):
 @pytest.mark.parametrize("radius, wanted", [(1, 3), (2, 8)])
 def test_schelling_is_that_of_the_public_comparison(radius, wanted):
     side, count, steps = 12, 100, 6
-    ours = ends({"model": Schelling(side=side, count=count, radius=radius, wanted=wanted), **WALLS}, ["like_share", "moves"], steps=steps, seeds=50)
     theirs = np.array([schelling_in_turns(side, count, radius, wanted, steps, seed) for seed in range(25)]).T
-    for one, other in zip(ours, theirs):
-        require_same_means(one, other)
+    for city in in_both(Schelling, "segregation", side=side, count=count, radius=radius, wanted=wanted):
+        for one, other in zip(ends(city, ["like_share", "moves"], steps=steps, seeds=50), theirs):
+            require_same_means(one, other)
 
 
 def test_agents_who_want_three_of_eight_end_among_their_own():
@@ -177,11 +182,11 @@ def wolf_sheep_in_turns(side, sheep, wolves, regrowth, births, steps, seed):
 
 def test_wolves_and_sheep_are_those_of_the_public_comparison():
     side, sheep, wolves, regrowth, births, steps = 9, 40, 15, 6, (0.4, 0.2), 12
-    model = WolfSheep(side=side, sheep=sheep, wolves=wolves, regrowth=regrowth, sheep_birth=births[0], wolf_birth=births[1])
-    ours = ends({"model": model, **WALLS}, ["sheep", "wolves", "grass"], steps=steps, seeds=80)
     theirs = np.array([wolf_sheep_in_turns(side, sheep, wolves, regrowth, births, steps, seed) for seed in range(80)]).T
-    for one, other in zip(ours, theirs):
-        require_same_means(one, other)
+    values = dict(side=side, sheep=sheep, wolves=wolves, regrowth=regrowth, sheep_birth=births[0], wolf_birth=births[1])
+    for meadow in in_both(WolfSheep, "predation", **values):
+        for one, other in zip(ends(meadow, ["sheep", "wolves", "grass"], steps=steps, seeds=80), theirs):
+            require_same_means(one, other)
 
 
 def test_headings_that_are_all_noise_have_the_order_of_random_directions():

@@ -38,6 +38,7 @@ TEST(ModelLimits, MoreMoleculesThanRandomPlacesHoldAreRefused) {
 TEST(ModelLimits, AgentsThatDoNotFitIntoMemoryAreRefused) {
   expect_refused("flocking", {"flocking.count=2000000000"}, "2000000000 agents would need about");
   expect_refused("epidemic", {"epidemic.count=2000000000"}, "2000000000 agents would need about");
+  expect_refused("predation", {"predation.sheep=1000000000"}, "1000000040 agents would need about");
   expect_refused("colloid", {"colloid.disks.count=2000000000"}, "2000000000 agents would need about",
                  GRIDLOCK_OWN_PROGRAM);
 }
@@ -55,6 +56,11 @@ TEST(ModelLimits, StartsWithOverlapsAreNoStartsOfModels) {
                    "disks at uniform points overlap, and the model \"" + model + "\" is one of hard disks",
                    GRIDLOCK_OWN_PROGRAM);
   }
+}
+
+TEST(ModelLimits, CitiesWithoutEdgesOrWithTooFewCellsAreRefused) {
+  expect_refused("segregation", {"box.edge=periodic"}, "the city of the model segregation has edges");
+  expect_refused("segregation", {"segregation.count=1601"}, "1601 agents have 1600 cells");
 }
 
 TEST(ModelLimits, SamplesThatDoNotFitIntoMemoryAreRefused) {

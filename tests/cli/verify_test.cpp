@@ -59,6 +59,7 @@ TEST(Verify, AcceptsARunOfEveryEngineAndModelAndProtocolWholeAndInWindows) {
         "engine.kind = \"event_chain\"\nbox.edge = \"periodic\"\ndisks.count = 36\n",
         "model.kind = \"flocking\"\nflocking.count = 50\n",
         "model.kind = \"epidemic\"\nepidemic.count = 50\nepidemic.turnover_rate = 0.1\n",
+        "model.kind = \"predation\"\n",
         "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ stage = \"event_chain\", sweeps = 20, chains = "
         "\"newtonian\" }]\nengine = { kind = \"event_chain\", chains = \"newtonian\" }\n",
         "disks.count = 36\nbox.edge = \"periodic\"\nprotocol = [{ stage = \"grow\", until_packing_fraction = 0.6 "

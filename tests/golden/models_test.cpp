@@ -13,6 +13,8 @@
 #include "golden/table.hpp"
 #include "model_on_ranks.hpp"
 #include "models/catalyst.hpp"
+#include "models/predation.hpp"
+#include "models/segregation.hpp"
 #include "tiled_colloid.hpp"
 
 namespace gridlock {
@@ -63,6 +65,13 @@ TEST(GoldenModels, CatalystWithEveryEvent) {
                 periodic, 20);
 }
 
+TEST(GoldenModels, OnTheCellsOfAField) {
+  expect_golden("meadow", Predation{}, walls, 60);
+  expect_golden("endless_meadow", Predation{.side = 30, .sheep = 200, .regrowth = 10}, Box(2.0, 1.0, Edge::periodic),
+                60);
+  expect_golden("city", Segregation{.count = 1200, .radius = 2, .wanted = 9}, Box(2.0, 1.5, Edge::wall), 10);
+}
+
 TEST(GoldenModels, ColloidInTheScenePaperOfTheEngines) {
   // The scene of the engines: the same start, and 0.5 in time, which their table measures in steps of this length.
   auto const expect_scene = [](auto model, std::string const& engine, auto advance) {
@@ -89,6 +98,9 @@ TEST(GoldenModels, TheTableHasNoRowsOfScenesThatAreGone) {
                     {"walls", "epidemic"},
                     {"periodic", "epidemic"},
                     {"every_event", "catalyst"},
+                    {"meadow", "predation"},
+                    {"endless_meadow", "predation"},
+                    {"city", "segregation"},
                     {"crowd", "colloid_tiled"}});
 }
 

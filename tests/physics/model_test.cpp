@@ -10,6 +10,8 @@
 #include "models/catalyst.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
+#include "models/predation.hpp"
+#include "models/segregation.hpp"
 #include "reference/mean_and_error.hpp"
 
 namespace gridlock {
@@ -24,6 +26,8 @@ World<Model> start_of(Model const& model, Box const& box, std::uint64_t seed) {
   start_agents(model, world);
   return world;
 }
+
+Box const walls(1.0, 1.0, Edge::wall);
 
 constexpr double disk_area(double radius) { return std::numbers::pi * radius * radius; }
 
@@ -261,6 +265,78 @@ TEST(Epidemic, ItsFinalSizeIsThatOfTheSirEquations) {
   }
   Estimate const m = mean_of(shares);
   EXPECT_NEAR(m.value, susceptible, 5.0 * m.error + 0.01) << "R₀ = " << reproduction;
+}
+
+TEST(Predation, WolvesWithoutSheepLiveOnWhatTheyHave) {
+  // A wolf starts with 0, 1 … 2·13 − 1 of energy, loses 1 in a step, and dies below 0.
+  std::uint64_t const steps = 10;
+  std::vector<double> wolves;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    World<Predation> world = start_of(Predation{.sheep = 0, .wolves = 200, .wolf_birth = 0.0}, walls, seed);
+    ModelEngine<Predation>(Predation{.wolf_birth = 0.0}, walls, {}).advance(world, {.step = steps});
+    wolves.push_back(static_cast<double>(world.agents.size()));
+  }
+  Estimate const m = mean_of(wolves);
+  EXPECT_NEAR(m.value, 200.0 * (26.0 - static_cast<double>(steps)) / 26.0, 3.5 * m.error);
+}
+
+TEST(Predation, AFlockEatsWhatItWalksAndItsFoodGrowsByLittlesLaw) {
+  // Little 1961, doi:10.1287/opre.9.3.383: as many cells are bare as meals in a step, times the steps of regrowth.
+  Predation const model{.wolves = 0};
+  World<Predation> world = start_of(model, Box(1.0, 1.0, Edge::periodic), 1);
+  ModelEngine<Predation> engine(model, world.box, {});
+  auto const energy = [&] {
+    return AgentSums<Predation>(world).sum([](auto const& animal) { return animal.template get<Energy>(); });
+  };
+  double const at_first = energy();
+  double walked = 0.0;
+  double bare = 0.0;
+  for (std::uint64_t step = 1; step <= 300; ++step) {
+    walked += static_cast<double>(world.agents.size());
+    engine.advance(world, {.step = step});
+    auto const values = field_of<Bare>(world).values();
+    bare += static_cast<double>(values.size() - static_cast<std::size_t>(std::ranges::count(values, 0.0)));
+  }
+  double const meals = static_cast<double>(world.events[0]);
+  double const starved = static_cast<double>(world.events[4]);
+  // Those that starve have less than 0 of energy, and at least −1.
+  double const taken_along = energy() - at_first - model.sheep_gain * meals + walked;
+  EXPECT_GT(starved, 100.0);
+  EXPECT_GE(taken_along, 0.0);
+  EXPECT_LE(taken_along, starved);
+  // Eaten grass is bare at the end of regrowth − 1 steps; both ends of the run cut some of them off.
+  double const regrowth = static_cast<double>(model.regrowth);
+  EXPECT_NEAR(bare, (regrowth - 1.0) * meals, 625.0 * regrowth / 2.0);
+}
+
+TEST(Segregation, AgentsThatNothingSatisfiesStayMixed) {
+  // All 49 others of the own group and 50 of the other one are as likely to be near.
+  Segregation const model{.side = 12, .count = 100, .wanted = 9};
+  std::vector<double> shares;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    World<Segregation> world = start_of(model, walls, seed);
+    ModelEngine<Segregation>(model, walls, {}).advance(world, {.step = 6});
+    EXPECT_EQ(world.events[0], 600U);
+    Observations seen;
+    model.observe(world, seen);
+    shares.push_back(seen.entries()[0].value);
+  }
+  Estimate const m = mean_of(shares);
+  EXPECT_NEAR(m.value, 49.0 / 99.0, 3.5 * m.error);
+}
+
+TEST(Segregation, EachAgentHasACellAndTheFieldKnowsIt) {
+  Segregation const model{.side = 20, .count = 120};
+  Box const box(2.0, 1.0, Edge::wall);
+  World<Segregation> world = start_of(model, box, 3);
+  ModelEngine<Segregation>(model, box, {}).advance(world, {.step = 5});
+  std::vector<double> homes(200);
+  for (std::size_t row = 0; row < world.agents.size(); ++row) {
+    Vector const p{world.agents.column<X>()[row], world.agents.column<Y>()[row]};
+    homes[field_of<Homes>(world).cell_of(box, p)] = 1.0 + world.agents.column<Group>()[row];
+  }
+  EXPECT_TRUE(std::ranges::equal(homes, field_of<Homes>(world).values()));
+  EXPECT_EQ(std::ranges::count(homes, 0.0), 80);
 }
 
 }  // namespace

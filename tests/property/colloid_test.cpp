@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/engine/engine.hpp"
@@ -131,6 +133,64 @@ TEST(Colloid, ADiskThatCouldJumpOverAnotherEndsTheRun) {
   start_agents(model, world);
   ModelEngine<Colloid> engine(model, world.box, {});
   EXPECT_THROW(engine.advance(world, {.step = 100}), RunFailure);
+}
+
+/// Agents that move to the right, each as far as the others and the walls let it.
+struct Queue {
+  static constexpr std::string_view name = "queue";
+  static constexpr Schedule schedule = Schedule::sequential;
+  static constexpr std::array<std::string_view, 2> events{"partners", "walls"};
+  using Agents = Population<X, Y, Radius>;
+  double largest = 0.1;
+  double part = 0.03;
+
+  double cutoff() const { return 2.0 * largest; }
+  double time_step() const { return 1.0; }
+  void turn(Turn<Queue>& self) const {
+    auto const halt = move_apart(self, {part, 0.0}, 3);
+    if (halt.partner) self.count(0);
+    if (halt.wall.x) self.count(1);
+  }
+};
+
+World<Queue> queue(std::vector<double> const& places) {
+  World<Queue> world{.box = Box(1.0, 1.0, Edge::wall)};
+  for (double const x : places) world.agents.add(x, 0.5, 0.1);
+  return world;
+}
+
+TEST(MoveApart, HaltsBeforeThePartThatWouldOverlap) {
+  // A gap of 0.05 takes one part of 0.03, the room of 0.07 before the wall two.
+  World<Queue> world = queue({0.3, 0.55, 0.83});
+  ModelEngine<Queue>({}, world.box, {}).advance(world, {.step = 1});
+  auto const x = world.agents.column<X>();
+  EXPECT_NEAR(x[0], 0.33, 1e-12);
+  EXPECT_NEAR(x[1], 0.61, 1e-12);
+  EXPECT_NEAR(x[2], 0.89, 1e-12);
+  EXPECT_EQ(world.events, (EventCounts<Queue>{2, 1}));
+}
+
+TEST(MoveApart, LetsAgentsThatOverlapMoveAwayFromEachOtherOnly) {
+  World<Queue> world = queue({0.3, 0.4});
+  ModelEngine<Queue>({}, world.box, {}).advance(world, {.step = 1});
+  EXPECT_EQ(world.agents.column<X>()[0], 0.3);
+  EXPECT_NEAR(world.agents.column<X>()[1], 0.49, 1e-12);
+}
+
+TEST(MoveApart, RefusesPartsThatCouldJumpAndRadiiThatSearchesDoNotReach) {
+  auto const failure_of = [](Queue const& model) -> std::string {
+    World<Queue> world = queue({0.3, 0.55});
+    try {
+      ModelEngine<Queue>(model, world.box, {}).advance(world, {.step = 1});
+    } catch (RunFailure const& failure) {
+      return failure.what();
+    }
+    return "";
+  };
+  EXPECT_NE(failure_of({.part = 0.1}).find("agent 0 of radius 0.1 moves by (0.1, 0) in one part and could jump"),
+            std::string::npos);
+  EXPECT_NE(failure_of({.largest = 0.09}).find("agent 0 has a radius of 0.1, but the model declares a cutoff of 0.18"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -84,8 +84,9 @@ std::optional<Neighbour<Model>> partner_at(Turn<Model> const& self, Vector here,
 /// above half the cutoff. Cost: one search for each part.
 /// Source: the rule of J.-X. Shen's paper, see docs/explanation/paper.md.
 template <class Model>
-Halt<Model> move_apart(Turn<Model>& self, Vector part, std::uint64_t parts) requires(
-    Model::schedule == Schedule::sequential || Model::schedule == Schedule::tiled) {
+Halt<Model> move_apart(Turn<Model>& self, Vector part,
+                       std::uint64_t parts) requires(Model::schedule == Schedule::sequential ||
+                                                     Model::schedule == Schedule::tiled) {
   Box const& box = self.box();
   double const radius = self.template get<Radius>();
   detail::require_radius(self.clock().step, self.id(), radius, self.cutoff());
