@@ -26,6 +26,7 @@ from .analysis import (
     voronoi,
 )
 from .box import Box
+from .changes import Change
 from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics, shear_viscosity
 from .errors import Error, Problem, RunFailure
@@ -57,7 +58,7 @@ from .world import Halts, Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
-    "Agents", "Box", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Edges",
+    "Agents", "Box", "Change", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Edges",
     "Error", "Experiment", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "Network", "OrderCorrelation",
     "PairCorrelation", "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Shown",
     "Simulation", "SobolDesign", "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory",

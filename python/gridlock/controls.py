@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _core
 from .arrays import in_short
+from .changes import latest, setting_that_may_change
 from .errors import Error
 from .files import settings_in
 from .models import registered_models
@@ -104,8 +105,9 @@ def description(simulation: Simulation, settings: Sequence[Control]) -> dict[str
         "fields": list(core.frame()[5]),
         "quantities": quantities,
         "charts": charts_of(model, quantities) if model is not None else [],
-        "settings": [setting._asdict() for setting in settings],
-        "values": flat(settings_in(simulation.settings)),
+        "settings": [{**one._asdict(), "restarts": setting_that_may_change(simulation._model, one.key) is None} for one in settings],
+        "values": {**flat(settings_in(simulation.settings)), **latest(simulation.changes)},
+        "changes": [change._asdict() for change in simulation.changes],
         "configuration": simulation.settings,
         "timeStep": simulation.time_step,
     }

@@ -51,12 +51,14 @@ class Field:
 
     def _shape(self, name: str, model: Model, box: Box) -> tuple[int, int]:
         """Rows and columns."""
+        from .models import settings_of
+
         cells = self.cells
         if isinstance(cells, str):
-            if cells not in model.settings:
+            if cells not in settings_of(type(model)):
                 raise Error(f"the field {name} has as many cells as the setting {cells!r}, which the model does not have\n"
-                            f"  hint: it has {', '.join(model.settings) or 'none'}")
-            cells = (_count(model.settings[cells]),)
+                            f"  hint: it has {', '.join(settings_of(type(model))) or 'none'}")
+            cells = (_count(getattr(model, cells)),)
         if len(cells) == 2:
             return cells[0], cells[1]
         return max(1, round(cells[0] * box.height / box.width)), cells[0]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .changes import setting_that_may_change
 from .controls import Control, controls, description
 from .errors import Error
 
@@ -105,12 +106,13 @@ class Live:
         self._do(lambda: self._renew(self._overrides))
 
     def set(self, key: str, text: str) -> None:
-        """Begins anew with another value of a setting, and runs on where it ran. Errors: Error; then the run before stays."""
+        """Goes on with another value of a setting, or begins anew with it where the run cannot go on, and runs on where it ran. Errors: Error;
+        then the run before stays."""
         setting = next((one for one in self.settings if one.key == key), None)
         if setting is None:
             raise Error(f"there is no setting {key!r} to change\n  hint: reload the page")
         value = setting.read(text)
-        self._do(lambda: self._renew({**self._overrides, key: value}))
+        self._do(lambda: self._change(key, value))
 
     def frame(self, after: int, columns: frozenset[str], patience: float) -> LiveFrame | None:
         """A frame with some columns that is later than that of a version; None where nothing has changed for so long."""
@@ -254,6 +256,20 @@ class Live:
         if not self._wishes and time.monotonic() > self._asked + PATIENCE:
             self._is_running = False  # nobody looks
 
+    def _change(self, key: str, value: Any) -> None:
+        simulation, overrides = self._simulation, {**self._overrides, key: value}
+        # Before the first step a new start says the same, and needs no record.
+        if self._step == 0 or self._problem or setting_that_may_change(simulation._model, key) is None:
+            self._renew(overrides)
+            return
+        try:
+            simulation.change({key: value})
+        except BaseException:
+            self._stop()
+            raise
+        self._overrides = overrides
+        self._describe()
+
     def _renew(self, overrides: dict[str, Any]) -> None:
         try:
             made = self._make(overrides)
@@ -271,10 +287,13 @@ class Live:
         self._paces = deque([(self._began, self._step)], maxlen=64)
         self._problem = ""
         self._run += 1
-        self._version += 1
         self._series = np.empty((0, 0))
         self._next_series = 0.0
-        self._about = {"run": self._run, **description(simulation, self.settings)}
+        self._describe()
+
+    def _describe(self) -> None:
+        self._about = {"run": self._run, **description(self._simulation, self.settings)}
+        self._version += 1
 
     def _show(self) -> None:
         """Makes a frame with all columns that anybody waits for."""
@@ -288,10 +307,12 @@ class Live:
         except RuntimeError:  # its user runs it
             self._next_frame = time.monotonic() + 0.1
             return
+        if len(simulation._changes) != len(self._about["changes"]):  # by its user
+            self._describe()
         ids, columns, box, step, now, fields = frame[:6]
         width, height, periodic_x, periodic_y, shift = box
         head = {
-            "run": self._run, "version": self._version, "step": step, "time": now, "count": len(ids),
+            "run": self._run, "changes": len(simulation._changes), "version": self._version, "step": step, "time": now, "count": len(ids),
             "box": {"width": width, "height": height, "periodic": [periodic_x, periodic_y], "shift": shift},
             "isRunning": self._is_running, "speed": self._speed, "stepsPerSecond": self._pace(), "problem": self._problem,
             "stateHash": "" if self._is_running else simulation.state_hash,

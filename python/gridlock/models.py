@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import keyword
 import math
 import os
 import threading
 import traceback
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -46,6 +47,8 @@ class Setting:
 
     :param default: True or False, a whole number from 0 on, a number, a text, or a list of numbers: the type of the setting.
     :param choices: the texts that it can be.
+    :param restarts: whether another value needs a new start; None: where ``start`` reads the setting. Others can change in a simulation, see
+        :meth:`Simulation.change`, and by a slider of a page.
 
     In the model, ``self.radius`` is its value.
     """
@@ -59,6 +62,7 @@ class Setting:
         least: float = -math.inf,
         most: float = math.inf,
         choices: Sequence[str] = (),
+        restarts: bool | None = None,
     ) -> None:
         try:
             self.default = default if isinstance(default, (bool, int, float, str)) else [float(number) for number in default]
@@ -68,6 +72,7 @@ class Setting:
         self.unit = unit
         self.least, self.most = _bound(least), _bound(most)
         self.choices = list(choices)
+        self.restarts = restarts
         self.key = ""
         if isinstance(self.default, float) and not math.isfinite(self.default):
             raise Error(f"a setting has the default {default}\n  hint: use a finite number")
@@ -91,7 +96,13 @@ class Setting:
     def __get__(self, model: Any, owner: type | None = None) -> Any:
         if model is None:
             return self
+        if (read := model.__dict__["_read"]) is not None:
+            read.add(self.key)
         return model.__dict__["_values"].get(self.key, self.default)
+
+    def of_its_type(self, value: Any) -> Any:
+        """A value that the setting can have, of its type."""
+        return [float(number) for number in value] if isinstance(self.default, list) else type(self.default)(value)
 
     def __repr__(self) -> str:
         return f"<gridlock.Setting {self.key}: {in_short(self.default)}{', in ' + self.unit if self.unit else ''}>"
@@ -156,11 +167,12 @@ class Model:
     _columns: ClassVar[Mapping[str, ColumnOfModel]] = {}
 
     def __init__(self, **settings: Any) -> None:
-        known = _settings_of(type(self))
+        known = settings_of(type(self))
         for key in settings:
             if key not in known:
                 raise Error(f"the model {self.name} has no setting {key!r}\n  hint: it has {', '.join(known) or 'none'}")
-        self.__dict__["_values"] = settings
+        # Beside the values: where it is noted which of them are read, and those that were.
+        self.__dict__.update(_values=settings, _read=None, _read_by_world=set(), _read_by_start=set())
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise Error(
@@ -171,7 +183,7 @@ class Model:
     @property
     def settings(self) -> dict[str, Any]:
         """The values of all settings."""
-        return {key: getattr(self, key) for key in _settings_of(type(self))}
+        return {key: getattr(self, key) for key in settings_of(type(self))}
 
     def __repr__(self) -> str:
         return f"<gridlock.Model {self.name}: {', '.join(f'{key}={in_short(value)}' for key, value in self.settings.items())}>"
@@ -200,8 +212,17 @@ class Model:
     def _made_with(cls, values: Mapping[str, Any]) -> Model:
         return cls(**values)
 
+    @contextlib.contextmanager
+    def _noting_what_is_read(self, by: str) -> Iterator[None]:
+        self.__dict__["_read"] = self.__dict__[by]
+        try:
+            yield
+        finally:
+            self.__dict__["_read"] = None
+
     def _checked_time_step(self) -> float:
-        step = self.time_step
+        with self._noting_what_is_read("_read_by_world"):
+            step = self.time_step
         if isinstance(step, bool) or not isinstance(step, (int, float, np.number)) or not 0.0 < float(step) < math.inf:
             raise Error(f"the model {self.name} has the time step {step!r}\n  hint: use a finite number above 0")
         return float(step)
@@ -211,14 +232,17 @@ class Model:
         self.check(box_of(box))
 
     def _fields(self, box: BoxValues) -> list[tuple[str, int, int]]:
-        shapes = {name: field._shape(name, self, box_of(box)) for name, field in self.fields.items()}
+        with self._noting_what_is_read("_read_by_world"):
+            shapes = {name: field._shape(name, self, box_of(box)) for name, field in self.fields.items()}
         return [(name, *shapes[name]) for name in sorted(shapes, key=str.encode)]
 
     def _networks(self) -> list[tuple[str, bool]]:
         return [(name, self.networks[name].directed) for name in sorted(self.networks, key=str.encode)]
 
     def _start(self, core: ModelWorld) -> None:
-        self.start(Start(core, self))
+        with self._noting_what_is_read("_read_by_start"):
+            self.start(Start(core, self))
+        _started.model = self
 
     def _step(self, core: ModelWorld) -> None:
         world = World(core, self)
@@ -290,7 +314,7 @@ def register_model(model: type[Model]) -> type[Model]:
     if not isinstance(model, type) or not issubclass(model, Model):
         raise Error(f"{model!r} is no model\n  hint: derive a class from gridlock.Model")
     columns = columns_of(model)
-    settings = _settings_of(model)
+    settings = settings_of(model)
     _require_possible(model, columns, list(settings))
     documentation = " ".join((inspect.getdoc(model) or "").split("\n\n")[0].split()) if model.__doc__ else ""
     with _lock:
@@ -330,6 +354,19 @@ def settings_of_model(model: Any) -> dict[str, Any]:
         register_model(kind)
     values = {} if isinstance(model, type) else model.__dict__["_values"]
     return {"model.kind": kind.name, **{f"{kind.name}.{key}": value for key, value in values.items()}}
+
+
+class _Started(threading.local):
+    model: Model | None = None
+
+
+_started = _Started()
+
+
+def take_started() -> Model | None:
+    """The model that was started last in this thread, once."""
+    model, _started.model = _started.model, None
+    return model
 
 
 class _Failure(threading.local):
@@ -377,7 +414,8 @@ def take_failure() -> BaseException | None:
     return exception
 
 
-def _settings_of(model: type[Model]) -> dict[str, Setting]:
+def settings_of(model: type[Model]) -> dict[str, Setting]:
+    """The settings of a class by their names, those of its bases first."""
     settings: dict[str, Setting] = {}
     for base in reversed(model.__mro__):
         settings.update({key: value for key, value in vars(base).items() if isinstance(value, Setting)})

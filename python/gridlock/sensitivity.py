@@ -10,7 +10,7 @@ import numpy as np
 from .arrays import as_count, as_number, as_numbers, in_short
 from .converters import library
 from .errors import Error
-from .models import _settings_of, registered_models
+from .models import registered_models, settings_of
 from .tables import structured
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _bounds_of(key: str) -> tuple[float, float]:
     """The bounds that a setting of a model in Python has."""
     model, _, name = key.partition(".")
     for kind in registered_models():
-        setting = _settings_of(kind).get(name) if kind.name == model else None
+        setting = settings_of(kind).get(name) if kind.name == model else None
         if setting is not None and np.isfinite([setting.least, setting.most]).all():
             is_whole = isinstance(setting.default, int) and not isinstance(setting.default, bool)
             return (int(setting.least), int(setting.most)) if is_whole else (setting.least, setting.most)

@@ -103,7 +103,8 @@ def show(
 
     In a notebook the page is in the cell; else its address is printed, and the browser opens it where there is a desktop. The model
     runs on a thread of this process and pauses where no page is open. It is sampled after each step, without ψ6 and g(r), unless
-    ``observe`` says otherwise. Changing a setting begins anew.
+    ``observe`` says otherwise. A setting that the start of a model does not read changes from the next step on, as by
+    :meth:`Simulation.change`; another one begins anew.
     """
     shown = start(lambda: (model, more), port)
     if _is_in_notebook():

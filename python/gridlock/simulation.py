@@ -13,9 +13,10 @@ import numpy as np
 from . import _core, converters
 from .arrays import as_column, as_observed
 from .box import Box, box_of
+from .changes import Change, changed, latest, read_values
 from .errors import Error, RunFailure
 from .progress import ProgressBar
-from .settings import as_threads, given
+from .settings import as_threads, assignments, given
 from .tables import structured
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .files import Frame
+    from .models import Model
 
 
 class Clock(NamedTuple):
@@ -172,7 +174,10 @@ class Simulation:
         **more: Any,
     ) -> None:
         file, values = given(settings, more)
+        _take_started()
         self._core = _core.Simulation(file, values, None if threads is None else as_threads(threads))
+        self._model = _take_started()
+        self._changes: list[Change] = []
         self._hands_out_copies = False
         self._functions: list[Callable[[Simulation], Any]] = []
         self._arrays: list[weakref.ref[NDArray[Any]]] = []
@@ -316,8 +321,37 @@ class Simulation:
 
     @property
     def settings(self) -> str:
-        """All settings of this simulation in TOML, those left out too."""
+        """All settings of this simulation in TOML, those left out too, as they were at its start; for what has changed since see ``changes``."""
         return self._core.configuration()
+
+    def change(self, settings: Mapping[str, Any] | None = None, **more: Any) -> None:
+        """Changes settings of a model in Python from the next step on, without a new start: between two calls of :meth:`run`, or in a function
+        of :meth:`on_step`.
+
+        :param settings: as those of a simulation: ``{"walkers.length": 0.02}``, or ``walkers={"length": 0.02}``.
+        :raises Error: for settings that the start of the model has read, unless they have ``restarts=False``, for all that are not the
+            model's, and for values that cannot be; then nothing is changed.
+
+        The same changes at the same steps give the same bits: ``changes`` has them all.
+
+        >>> import gridlock.library
+        >>> meadow = Simulation(model="wolf_sheep", run={"seed": 7})
+        >>> meadow.run(steps=100)
+        >>> meadow.change(wolf_sheep={"sheep_birth": 0.0})
+        >>> print(meadow.changes[0])
+        step 100: wolf_sheep.sheep_birth was 0.2 and is 0.0
+        """
+        if self._hands_out_copies:
+            raise Error("settings change between two steps\n  hint: change them between two calls of run(), or in a function of on_step()")
+        values = read_values(self._model, {**(settings or {}), **more})
+        self._core.require_possible(assignments({**latest(self._changes), **values}))
+        if self._model is not None:
+            self._changes += changed(self._model, self.clock.step, values)
+
+    @property
+    def changes(self) -> list[Change]:
+        """What :meth:`change`, or a page that shows this simulation, has changed since the start."""
+        return list(self._changes)
 
     @property
     def columns(self) -> list[Column]:
@@ -438,6 +472,13 @@ def _take_failure() -> BaseException | None:
     from .models import take_failure
 
     return take_failure()
+
+
+def _take_started() -> Model | None:
+    """The model in Python that was started last."""
+    from .models import take_started
+
+    return take_started()
 
 
 def _require_steps(steps: Any) -> None:

@@ -94,14 +94,14 @@ class PythonSimulation {
                    std::optional<std::uint64_t> threads)
       : process_(getpid()) {
     nb::gil_scoped_release const released;
-    SettingsFile const settings = settings_of(file, assignments);
-    setup_ = set_up(settings, {.threads = threads});
-    bool const has_length =
-        settings.is_given("run.steps") || settings.is_given("run.time") || settings.is_given("run.collisions_per_disk");
+    settings_ = settings_of(file, assignments);
+    setup_ = set_up(settings_, {.threads = threads});
+    bool const has_length = settings_.is_given("run.steps") || settings_.is_given("run.time") ||
+                            settings_.is_given("run.collisions_per_disk");
     ends_with_protocol_ = !has_length && !setup_.configuration.protocol.empty();
     has_end_ = has_length || ends_with_protocol_;
     for (char const* table : {"trajectory", "checkpoint"}) {
-      if (settings.is_given(table)) unused_tables_.emplace_back(table);
+      if (settings_.is_given(table)) unused_tables_.emplace_back(table);
     }
     if (file) inputs_.push_back(*file);
     inputs_.push_back(setup_.start_file.string());
@@ -227,6 +227,15 @@ class PythonSimulation {
     return setup_.configuration.kind().value_names(column);
   }
   [[nodiscard]] std::string configuration() const { return resolved_configuration(setup_); }
+  /// Throws Error if no run is possible with these settings over those of this simulation.
+  void require_possible(Assignments const& changes) {
+    Use const use(*this);
+    nb::gil_scoped_release const released;
+    SettingsFile changed = settings_;
+    for (auto const& [key, value] : changes) changed.set(key, value, {.file = "", .line = 0, .column = 0});
+    Configuration const configuration = read_configuration(changed);
+    configuration.kind().check(configuration);
+  }
   [[nodiscard]] std::vector<std::string> notes() const {
     std::vector<std::string> texts;
     for (Event const& event : setup_.notes) texts.push_back(to_text(event));
@@ -349,6 +358,7 @@ class PythonSimulation {
 
   pid_t process_;
   std::thread::id user_;
+  SettingsFile settings_;  ///< the settings that were given
   Setup setup_;
   std::vector<std::string> inputs_;  ///< files from which the simulation was made
   RunPlan plan_;
@@ -396,6 +406,7 @@ void bind_simulation(nb::module_& module) {
       .def("model", &PythonSimulation::model)
       .def("value_names", &PythonSimulation::value_names)
       .def("configuration", &PythonSimulation::configuration)
+      .def("require_possible", &PythonSimulation::require_possible, nb::arg("changes"))
       .def("notes", &PythonSimulation::notes)
       .def("series", &PythonSimulation::series)
       .def("series_columns", &PythonSimulation::series_columns)

@@ -378,3 +378,57 @@ def test_a_search_that_outlives_its_step_sees_the_agents_of_that_step():
         thread.join()
     assert len(searches) == 5
     assert all(np.array_equal(pairs, gridlock.pairs(points, 0.001, (1.5, 0.6))) for points, pairs in searches)
+
+
+def test_changed_settings_hold_from_the_next_step_on_and_are_recorded():
+    one = made()
+    one.on_step(4, lambda simulation: simulation.change(test_walkers={"turnover": 0.5}) if simulation.clock.step == 8 else None)
+    one.run(steps=8)
+    one.change({"test_walkers.length": 0.0})
+    assert [str(change) for change in one.changes] == ["step 8: test_walkers.turnover was 0.02 and is 0.5",
+                                                       "step 8: test_walkers.length was 0.01 and is 0.0"]
+    before = one.frame
+    one.run(steps=1)
+    other = made()
+    other.run(steps=8)
+    assert np.array_equal(before.x, other.frame.x) and one.counts["deaths"] > other.counts["deaths"] + 20
+    after = one.frame
+    assert np.array_equal(after.x[np.isin(after.ids, before.ids)], before.x[np.isin(before.ids, after.ids)])
+    assert "turnover = 0.02" in one.settings  # those of the start
+
+
+@pytest.mark.parametrize("key, value, words", [
+    ("test_walkers.count", 3, "its start, its fields or its time step"), ("run.seed", 3, "its start"), ("test_walkers.none", 3, "its start"),
+    ("test_walkers.length", 0.5, "at most 0.4"), ("test_walkers.kind", "round", "uniform"), ("test_walkers.is_charged", True, "its start")])
+def test_settings_that_cannot_change_are_refused_and_nothing_is_changed(key, value, words):
+    simulation = made()
+    with pytest.raises(gridlock.Error, match=words):
+        simulation.change({"test_walkers.turnover": 0.3, key: value})
+    assert simulation.changes == [] and simulation._model.turnover == 0.02
+    with pytest.raises(gridlock.Error, match="its start"):
+        gridlock.Simulation(disks={"count": 4, "packing_fraction": 0.1}).change({"disks.count": 5})
+
+
+def test_a_setting_says_whether_a_change_of_it_restarts_but_not_those_of_fields_and_the_time_step():
+    class Meadow(gridlock.Model):
+        name = "test_changing_meadow"
+        fields = {"grass": gridlock.Field("side")}
+        side = gridlock.Setting(4, restarts=False)
+        pace = gridlock.Setting(0.5, restarts=False)
+        hunger = gridlock.Setting(1.0, restarts=False)
+        stays = gridlock.Setting(1.0, restarts=True)
+        time_step = property(lambda self: self.pace)
+
+        def start(self, start):
+            start.add(x=0.5, y=0.5 * self.hunger)
+
+        def step(self, world):
+            world.grass += self.hunger
+
+    meadow = gridlock.Simulation(model=Meadow)
+    meadow.change({"test_changing_meadow.hunger": 2})
+    meadow.run(steps=1)
+    assert meadow.frame.fields["grass"].tolist() == [[2.0] * 4] * 4 and meadow._model.hunger == 2.0
+    for key in ("side", "pace", "stays"):
+        with pytest.raises(gridlock.Error, match="cannot change"):
+            meadow.change({f"test_changing_meadow.{key}": 3})

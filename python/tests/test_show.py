@@ -123,7 +123,10 @@ def test_the_page_learns_of_columns_charts_and_settings(shown):
     assert about["values"]["test_drifters.count"] == 12 and about["values"]["box.width"] == OBLONG["width"]
     settings = {one["key"]: one for one in about["settings"]}
     assert settings["test_drifters.length"] == {"key": "test_drifters.length", "kind": "number", "unit": "length", "documentation": "A step.",
-                                                "least": 0.0, "most": None, "leastIsAllowed": True, "mostIsAllowed": True, "choices": []}
+                                                "least": 0.0, "most": None, "leastIsAllowed": True, "mostIsAllowed": True, "choices": [],
+                                                "restarts": False}
+    assert [key for key in ("test_drifters.count", "test_drifters.way", "box.edge", "run.seed") if settings[key]["restarts"]] == [
+        "test_drifters.count", "box.edge", "run.seed"]
     assert settings["test_drifters.way"]["choices"] == ["east", "north"] and settings["test_drifters.breaks"]["kind"] == "switch"
 
 
@@ -175,6 +178,28 @@ def test_a_changed_setting_begins_anew_and_a_refused_one_leaves_the_run(shown):
     assert page.frame()[0]["count"] == 30
     assert page.tell("restart")[0] == 200
     assert page.frame()[0]["count"] == 30  # a restart keeps what was changed
+
+
+def test_a_setting_that_the_start_does_not_read_changes_in_the_run(shown):
+    page = Page(shown.url)
+    page.tell("step", steps=3)
+    assert page.tell("set", key="test_drifters.length", value="0.03")[0] == 200
+    head, about = page.frame()[0], page.about()
+    assert (head["run"], head["step"], head["changes"]) == (1, 3, 1) and about["values"]["test_drifters.length"] == 0.03
+    assert about["changes"] == [{"step": 3, "key": "test_drifters.length", "before": 0.01, "value": 0.03}]
+    assert "at least 0" in page.tell("set", key="test_drifters.length", value="-1")[1]["error"]
+    page.tell("step", steps=2)
+    again = gridlock.Simulation(model=Drifters(count=12), box=OBLONG)
+    again.run(steps=3)
+    again.change(test_drifters={"length": 0.03})
+    again.run(steps=2)
+    assert shown.simulation.state_hash == again.state_hash and page.frame()[3].shape[0] == 6
+    # What its user changes is seen; a restart begins with what the page has changed.
+    shown.simulation.change({"test_drifters.way": "north"})
+    assert page.until(lambda head: head["changes"] == 2)[0]["step"] == 5 and page.about()["values"]["test_drifters.way"] == "north"
+    page.tell("restart")
+    about = page.about()
+    assert about["changes"] == [] and about["values"]["test_drifters.length"] == 0.03 and about["values"]["test_drifters.way"] == "east"
 
 
 def test_a_model_that_raises_pauses_with_file_and_line_and_can_begin_anew(shown):

@@ -58,7 +58,7 @@ def public(tmp_path):
         gridlock.collective_scattering(series, box=box, q=30.0), gridlock.van_hove(series, lags=1.0, range=0.1),
         gridlock.string_lengths(series, lags=1.0, distance=0.01), gridlock.verify(run.path),
         simulation, simulation.agents, simulation.clock, simulation.columns[0], Crowd(), Crowd.count, gridlock.Field(10), shown_page, *shown,
-        gridlock.Network(), crowd.frame.networks["friends"],
+        gridlock.Change(3, "test_crowd.count", 5, 7), gridlock.Network(), crowd.frame.networks["friends"],
         gridlock.Halts(np.zeros((9000, 2), dtype=bool), np.zeros(9000, dtype=np.int64)),
         gridlock.experiment(settings, {"disks.packing_fraction": [0.1, 0.2]}, steps=0, seeds=1, processes=1), gridlock.SobolDesign({"a.b": (0.0, 1.0)}, samples=256), gridlock.Error("wrong"),
     ]

@@ -46,9 +46,9 @@ class WolfSheep(gridlock.Model):
     side = gridlock.Setting(25, "Cells along x.", least=2, most=5000)
     sheep = gridlock.Setting(60, "At the start.", least=0)
     wolves = gridlock.Setting(40, "At the start.", least=0)
-    regrowth = gridlock.Setting(20, "Until eaten grass is grown.", unit="steps", least=1)
-    sheep_gain = gridlock.Setting(5.0, "Energy in the grass of a cell.", least=0.0, most=1000.0)
-    wolf_gain = gridlock.Setting(13.0, "Energy in a sheep.", least=0.0, most=1000.0)
+    regrowth = gridlock.Setting(20, "Until eaten grass is grown.", unit="steps", least=1, restarts=False)
+    sheep_gain = gridlock.Setting(5.0, "Energy in the grass of a cell.", least=0.0, most=1000.0, restarts=False)
+    wolf_gain = gridlock.Setting(13.0, "Energy in a sheep.", least=0.0, most=1000.0, restarts=False)
     sheep_birth = gridlock.Setting(0.2, "Probability that a sheep bears a lamb in a step.", least=0.0, most=1.0)
     wolf_birth = gridlock.Setting(0.1, "Probability that a wolf bears a pup in a step.", least=0.0, most=1.0)
 

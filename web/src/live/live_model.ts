@@ -5,6 +5,14 @@ import { request } from "../sources/bytes.ts";
 import { readFrameBytes } from "../sources/frame_bytes.ts";
 import type { SourceFrame, ValueNames } from "../sources/source.ts";
 
+/** A setting that was changed in a run that had taken so many steps then. */
+export interface SettingChange {
+  readonly step: number;
+  readonly key: string;
+  readonly before: SettingValue;
+  readonly value: SettingValue;
+}
+
 /** What is known of a run before its first frame. */
 export interface LiveDescription {
   /** The runs of a model are numbered from 1; each restart begins another. */
@@ -21,12 +29,15 @@ export interface LiveDescription {
   readonly charts: readonly DeclaredChart[];
   readonly settings: readonly SettingDescription[];
   readonly values: Readonly<Record<string, SettingValue>>;
+  readonly changes: readonly SettingChange[];
   readonly configuration: string;
 }
 
 /** The agents of one moment, and how the run goes. */
 export interface LiveFrame extends SourceFrame {
   readonly run: number;
+  /** How many settings were changed since the start. */
+  readonly changes: number;
   /** Grows with all that can be seen. */
   readonly version: number;
   readonly isRunning: boolean;
@@ -43,6 +54,7 @@ export interface LiveFrame extends SourceFrame {
 
 interface Head {
   readonly run: number;
+  readonly changes: number;
   readonly version: number;
   readonly isRunning: boolean;
   readonly speed: number | null;
@@ -51,6 +63,11 @@ interface Head {
   readonly fields: readonly { name: string; rows: number; columns: number; offset: number }[];
   readonly series: { rows: number; kept: number; width: number; offset: number };
 }
+
+/** As it comes: a setting says besides whether another value of it needs a new start. */
+type Said = Omit<LiveDescription, "settings"> & { readonly settings: readonly (SettingDescription & { readonly restarts: boolean })[] };
+const BEGINS_ANEW = "Another value begins the run anew.";
+const GOES_ON = "Another value holds from the next step on.";
 
 /** Where the page comes from a program that shows a model: the server says so in the page. */
 export function isLive(): boolean {
@@ -67,10 +84,10 @@ export function readLiveFrame(buffer: ArrayBuffer): LiveFrame {
   const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))) as Head;
   const at = (offset: number): number => 4 + length + offset;
-  const { run, version, isRunning, speed, stepsPerSecond, problem, series } = head;
+  const { run, changes, version, isRunning, speed, stepsPerSecond, problem, series } = head;
   const fields = Object.fromEntries(head.fields.map(({ name, rows, columns, offset }) => [name, { rows, columns, values: new Float32Array(buffer, at(offset), rows * columns) }]));
   return {
-    ...readFrameBytes(buffer), run, version, isRunning, speed, stepsPerSecond, problem, fields,
+    ...readFrameBytes(buffer), run, changes, version, isRunning, speed, stepsPerSecond, problem, fields,
     series: new Float64Array(buffer, at(series.offset), series.kept * series.width), newRows: series.rows,
   };
 }
@@ -80,9 +97,9 @@ export class LiveModel {
   private readonly address = address() as string;
 
   async describe(): Promise<LiveDescription> {
-    const said = (await (await this.ask("about.json")).json()) as LiveDescription;
+    const said = (await (await this.ask("about.json")).json()) as Said;
     const settings = said.settings.map((one) => ({
-      ...one, table: one.key.slice(0, Math.max(0, one.key.lastIndexOf("."))), default: null, defaultNote: "",
+      ...one, documentation: `${one.documentation} ${one.restarts ? BEGINS_ANEW : GOES_ON}`.trim(), table: one.key.slice(0, Math.max(0, one.key.lastIndexOf("."))), default: null, defaultNote: "",
       least: one.least ?? -Infinity, most: one.most ?? Infinity, // JSON has no infinity
     }));
     return { ...said, settings };
@@ -111,7 +128,7 @@ export class LiveModel {
     return this.tell("restart");
   }
 
-  /** Begins anew with another value of a setting. */
+  /** Goes on with another value of a setting, or begins anew with it where the run cannot go on. */
   set(key: string, value: string): Promise<void> {
     return this.tell("set", { key, value });
   }

@@ -10,12 +10,12 @@ import { element, iconButton, select, setOptions, words } from "../page/dom.ts";
 import { menu, type MenuItem } from "../page/menu.ts";
 import { copy, notice } from "../page/notices.ts";
 import type { ThemeSwitch } from "../page/theme.ts";
-import { Controls } from "../playground/controls.ts";
+import { Controls, nameOf } from "../playground/controls.ts";
 import { Transport } from "../playground/transport.ts";
 import { textOf } from "../sources/source.ts";
 import { colouringOf, coloursOf, toDrawn, usualColour, ValueRange } from "../viewer/colours.ts";
 import { Selection } from "../viewer/selection.ts";
-import { LiveModel, type LiveDescription, type LiveFrame } from "./live_model.ts";
+import { LiveModel, type LiveDescription, type LiveFrame, type SettingChange } from "./live_model.ts";
 
 const CHART_MILLISECONDS = 200; // between two drawings of the charts
 const HIDDEN_MILLISECONDS = 1000; // between two frames of a page that nobody sees
@@ -37,6 +37,7 @@ export class LiveView {
   private readonly about = element("p", { class: "hint" });
   private readonly problem = element("div", { class: "problem", role: "alert", hidden: true });
   private readonly settings = element("div", { class: "group" });
+  private readonly changes = element("ul", { class: "hint", "aria-label": "Changes of settings in this run" });
   private readonly colour = select("Colour by", [], "", (name) => this.colourBy(name));
   private readonly field = select("Field beneath", [], "", () => this.draw());
   private readonly fieldChoice = element("label", { class: "field row" }, element("span", { class: "name" }, "Field"), this.field);
@@ -92,6 +93,7 @@ export class LiveView {
         const frame = await next;
         failures = 0;
         if (frame !== undefined && frame.run !== this.described?.run) await this.begin();
+        else if (frame !== undefined && frame.changes !== this.described?.changes.length) this.describe(await this.model.describe());
         if (frame !== undefined && frame.run === this.described?.run) this.take(frame);
         next = this.next(); // which the model makes while this one is drawn
         next.catch(() => {});
@@ -121,7 +123,7 @@ export class LiveView {
     const colour = element("label", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
     const look = element("div", { class: "look", role: "group", "aria-label": "Look" }, colour, this.fieldChoice, this.fieldLegend);
     const head = element("div", { class: "group" }, this.title, this.about, this.problem);
-    const side = element("aside", { class: "side setup", "aria-label": "Model and settings" }, head, this.settings, this.selection.element);
+    const side = element("aside", { class: "side setup", "aria-label": "Model and settings" }, head, this.settings, this.changes, this.selection.element);
     const stage = element("section", { class: "stage", "aria-label": "Picture of the model" }, this.picture, this.transport.element, look);
     const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.charts.element);
     this.element.append(stage, side, charts);
@@ -159,8 +161,17 @@ export class LiveView {
       this.controls = new Controls(described.settings, (key, value) => this.change(key, value));
       this.settings.replaceWith(this.controls.element);
     }
-    if (this.wishes.size === 0) this.controls.show(described.values);
+    this.describe(described);
     this.showChoices(described, isFirst);
+  }
+
+  /** Shows the values of settings, and what has changed since the start. */
+  private describe(described: LiveDescription): void {
+    this.described = described;
+    if (this.wishes.size === 0) this.controls?.show(described.values);
+    const text = ({ step, key, before, value }: SettingChange): string => `Step ${step}: ${nameOf(key)} from ${before} to ${value}`;
+    this.changes.replaceChildren(...described.changes.map((change) => element("li", {}, text(change))));
+    this.changes.hidden = described.changes.length === 0;
   }
 
   private showChoices({ columns, valueNames, fields }: LiveDescription, isFirst: boolean): void {

@@ -98,7 +98,16 @@ test("it runs, with agents over grass that is eaten and curves in one chart, and
   await expect.poll(() => step()).toBe(0);
 });
 
-test("a slider begins anew with another number, and what is refused is said and leaves the run", async () => {
+test("a slider of a setting that steps alone read holds from the next step on, and the page says when", async () => {
+  await press("Single step");
+  await expect.poll(() => step()).toBe(1);
+  await number("Length").fill("0.02");
+  await number("Length").blur();
+  await expect.poll(() => page.getByRole("list", { name: "Changes of settings" }).innerText()).toBe("Step 1: Length from 0.01 to 0.02");
+  expect(await step()).toBe(1);
+});
+
+test("a slider of a setting that the start reads begins anew with another number, and what is refused is said and leaves the run", async () => {
   await number("Count").fill("300");
   await number("Count").blur();
   await expect.poll(() => page.locator(".status").innerText()).toContain("300 agents");
@@ -125,7 +134,6 @@ test("a second page follows the run of the first, and a closed one is not missed
 
 test("a model that raises says where, and begins anew when it is mended", async () => {
   await page.getByRole("checkbox", { name: "Breaks" }).check();
-  await expect.poll(() => step()).toBe(0);
   await press("Run");
   await expect.poll(() => alert().innerText()).toMatch(/the model herd raised ValueError: no grass is left \(herd\.py, line \d+\)/);
   await page.getByRole("checkbox", { name: "Breaks" }).uncheck();

@@ -41,7 +41,7 @@ describe("charts", () => {
 
 test("a frame is read with its columns of four bytes, its fields and its rows of the series", () => {
   const head = {
-    run: 2, version: 9, step: 3, time: 0.5, count: 2, box: { width: 1, height: 1, periodic: [true, false], shift: 0 }, stateHash: "", isRunning: true,
+    run: 2, changes: 4, version: 9, step: 3, time: 0.5, count: 2, box: { width: 1, height: 1, periodic: [true, false], shift: 0 }, stateHash: "", isRunning: true,
     speed: null, stepsPerSecond: 7, problem: "", columns: [{ name: "id", type: "uint32", offset: 0 }, { name: "x", type: "float32", offset: 8 }],
     fields: [{ name: "grass", rows: 1, columns: 2, offset: 16 }], series: { rows: 5, kept: 1, width: 2, offset: 24 },
   };
@@ -57,5 +57,5 @@ test("a frame is read with its columns of four bytes, its fields and its rows of
   expect([...frame.ids]).toEqual([4, 7]);
   expect([...(frame.columns["x"] as Float32Array)]).toEqual([0.25, 0.5]);
   expect(Object.entries(frame.fields).map(([name, { values }]) => [name, ...values])).toEqual([["grass", 1, 2]]);
-  expect([[...frame.series], frame.newRows, frame.run, frame.version, frame.speed]).toEqual([[3, 0.5], 5, 2, 9, null]);
+  expect([[...frame.series], frame.newRows, frame.run, frame.changes, frame.version, frame.speed]).toEqual([[3, 0.5], 5, 2, 4, 9, null]);
 });
