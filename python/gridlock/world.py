@@ -487,6 +487,11 @@ def _new_agents(model: Model, kind: int | None, columns: Mapping[str, ArrayLike]
     if "x" not in given or "y" not in given:
         raise Error("new agents have no place\n  hint: give x and y, or positions")
     values = {name: as_column(given[name], name, kind) for name, kind in types.items() if name in given}
+    for name, array in values.items():
+        if name not in ("x", "y") and array.dtype.kind == "f" and not np.isfinite(array).all():
+            place = int(np.argmin(np.isfinite(array).ravel()))
+            raise Error(f"column {name}: agent {place} of the new ones has the value {array.ravel()[place]}\n"
+                        "  hint: use finite numbers; mark what is not known by one such as -1")
     lengths = {name: array.shape for name, array in values.items() if array.ndim > 0}
     shape = next((found for found in lengths.values() if found != (1,)), (1,))
     for name, found in lengths.items():

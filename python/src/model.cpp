@@ -183,6 +183,7 @@ class PythonModelKind final : public detail::AgentsKind {
       model.time_step = nb::cast<double>(call_python([&] { return object.attr("_checked_time_step")(); }));
       model.object = SharedObject(object);
       require_inside(world);
+      require_finite(world);
       for (Field const& field : world.fields) require_finite(field, 0);
     });
     if (world.agents.size() == 0 && (world.fields.empty() || !world.networks.empty())) {

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -26,7 +29,42 @@ CellLayout layout_of(World<TableModel> const& world) {
   return layout_for_cutoff(world.box, std::sqrt(world.box.area() / static_cast<double>(agents)), agents);
 }
 
+/// Returns the place of the first value that is infinite or no number, or their number.
+std::size_t find_not_finite(std::span<double const> values) {
+  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
+  constexpr std::uint64_t lowest_bit = 0x0010'0000'0000'0000;
+  std::uint64_t bits = 0;  // the highest one is set by an exponent whose bits are all set
+  for (double const value : values) bits |= (std::bit_cast<std::uint64_t>(value) & exponent) + lowest_bit;
+  if (bits >> 63U == 0) return values.size();
+  return static_cast<std::size_t>(std::ranges::find_if_not(values, [](double v) { return std::isfinite(v); }) -
+                                  values.begin());
+}
+
 }  // namespace
+
+void require_finite(World<TableModel> const& world, std::optional<std::span<std::string const>> names) {
+  AgentTable const& agents = world.agents;
+  for (TableColumn const& column : agents.others()) {
+    auto const* const values = std::get_if<LargeArray<double>>(&column.values);
+    if (values == nullptr || (names && std::ranges::find(*names, column.name) == names->end())) continue;
+    std::size_t const place = find_not_finite(*values);
+    for (std::size_t kind = 0; place < values->size() && kind < agents.kinds(); ++kind) {
+      RowSpan const places = agents.places_in(column, kind);
+      if (place < places.first || place >= places.end) continue;
+      std::size_t const row = agents.rows_of(kind).first + place - places.first;
+      double const value = (*values)[place];
+      throw RunFailure("step " + std::to_string(world.clock.step) + ": agent " + std::to_string(agents.ids()[row]) +
+                       " has the value " +
+                       (std::isnan(value) ? "nan"
+                        : value > 0       ? "inf"
+                                          : "-inf") +
+                       " in the column " + column.name +
+                       "\n  hint: this is a mistake of the model: a division, a root or a logarithm may have no finite "
+                       "result; mark what is "
+                       "not known by a number such as -1");
+    }
+  }
+}
 
 void require_inside(World<TableModel> const& world) {
   auto const x = world.agents.x();
@@ -51,6 +89,7 @@ void PythonModelEngine::advance(World<TableModel>& world, Counters& /*counters*/
 void PythonModelEngine::require_valid(World<TableModel> const& world) const {
   try {
     require_inside(world);
+    require_finite(world);
     require_living_ends(world);
   } catch (RunFailure const& failure) {
     throw Error(Problem{.what = failure.what()});
@@ -104,6 +143,7 @@ bool PythonModelEngine::try_step(World<TableModel>& world) {
     model_.object.get().attr("_step")(shown.object());
     shown->close();
     if (shown->has_changed_positions()) require_inside(world);
+    require_finite(world, shown->columns_changed());
     before_.fields.check(world.fields, world.clock.step);
     if (shown->has_changed_places_or_number()) expect_changes();
     apply(world, *shown.operator->());

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gridlock/core/detail/thread_pool.hpp"
@@ -56,6 +58,9 @@ class PythonModelEngine final : public EngineFor<TableModel> {
 
 /// Throws RunFailure if an agent is outside the box.
 void require_inside(World<TableModel> const& world);
+/// Throws RunFailure if a column of numbers, one with one of these names if they are given, has a value that is infinite
+/// or no number.
+void require_finite(World<TableModel> const& world, std::optional<std::span<std::string const>> names = {});
 
 /// Observes the number of agents, the events, and the results of the method `_observe` of a model in Python.
 class PythonModelObservations final : public AveragingObservable {

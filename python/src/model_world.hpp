@@ -125,6 +125,8 @@ class ModelWorld {
   [[nodiscard]] std::vector<Id> deaths() const;
   [[nodiscard]] std::vector<NewAgents> const& births() const { return births_; }
   [[nodiscard]] std::vector<std::uint64_t> const& events() const { return events_; }
+  /// Returns the names of the columns that this step was given to change.
+  [[nodiscard]] std::vector<std::string> const& columns_changed() const { return columns_changed_; }
   [[nodiscard]] bool has_changed_positions() const;
   [[nodiscard]] bool has_changed_places_or_number() const {
     return has_changed_positions() || !births_.empty() || !dead_rows_.empty();

@@ -234,6 +234,24 @@ def test_names_of_values_are_short_texts(name):
         gridlock.register_model(model(value_names={"kind": ["well"] * 65}))
 
 
+def test_numbers_that_are_none_are_refused_in_a_start_in_arrays_and_in_columns_of_a_kind():
+    with pytest.raises(gridlock.Error, match="column mass: agent 0 of the new ones has the value nan"):
+        simulation(start=lambda self, start: start.add(x=0.5, y=0.5, mass=np.nan))
+    made = simulation()
+    made.agents.mass[1] = np.inf
+    with pytest.raises(gridlock.Error, match=f"agent {made.agents.ids[1]} has the value inf in the column mass"):
+        made.run(steps=1)
+
+    def start(self, start):
+        start.wolf.add(x=[0.1, 0.2], y=0.5)
+        start.sheep.add(x=[0.3, 0.4], y=0.5)
+
+    flock = simulation(columns={}, kinds={"wolf": {}, "sheep": {"wool": float}}, start=start,
+                       step=lambda self, world: world.sheep.wool.__setitem__(1, np.nan))
+    with pytest.raises(gridlock.RunFailure, match="step 0: agent 3 has the value nan in the column wool"):
+        flock.run(steps=1)
+
+
 @pytest.mark.parametrize("name", ["id", "position", "pos", "velo", "image"])
 def test_no_column_is_called_as_files_call_something_else(name):
     with pytest.raises(gridlock.Error, match=f"has a column '{name}'\n  hint: choose another name"):
@@ -251,6 +269,9 @@ STEPS = {
     "birth without a place": (lambda world: world.add(age=1), "no place"),
     "birth with another column": (lambda world: world.add(x=0.5, y=0.5, size=3), "size"),
     "birth of many lengths": (lambda world: world.add(x=[0.1, 0.2, 0.3], y=[0.5, 0.1]), r"column y: .* shape \(2,\)"),
+    "birth with no number": (lambda world: world.add(x=[0.5, 0.5], y=0.5, health=[0.5, np.inf]), "health: agent 1 of the new ones has the value inf"),
+    "a column of no number": (lambda world: world.health.__setitem__(world.ids == 7, np.nan), "step 0: agent 7 has the value nan in the column health"),
+    "an infinite column": (lambda world: setattr(world, "health", -np.inf), "has the value -inf in the column health"),
     "birth of another type": (lambda world: world.add(x=0.5, y=0.5, age="old"), "column age: 'old' is no number"),
     "birth with a fraction of age": (lambda world: world.add(x=0.5, y=0.5, age=0.5), "column age: 0.5 is no whole number"),
     "death of nobody": (lambda world: world.remove([99]), "no agent in row 99"),
@@ -275,7 +296,7 @@ def test_mistakes_of_a_step_are_failures_with_reasons(what):
 
     class Mistaken(gridlock.Model):
         name = "test_mistaken"
-        columns = {"age": np.uint32}
+        columns = {"age": np.uint32, "health": float}
         events = ("births",)
 
         def start(self, start):
