@@ -5,7 +5,7 @@
 # where it does not, and in programs of others, the shared library serves as well.
 option(GRIDLOCK_STATIC_HDF5 "Link the static archive of HDF5 into the programs where there is one" ${PROJECT_IS_TOP_LEVEL})
 
-pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial) # trajectories in H5MD
+pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial hdf5) # trajectories in H5MD; Debian has several builds of it
 
 add_library(gridlock_hdf5 INTERFACE)
 set(GRIDLOCK_HDF5_IS_STATIC FALSE)
