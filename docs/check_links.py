@@ -22,7 +22,8 @@ def anchors_of(page):
 
 generated = root / "docs" / "reference" / "api"
 failures = 0
-for page in sorted([*root.glob("*.md"), *root.glob("docs/**/*.md")]):
+folders = ["*.md", "docs/**/*.md", ".github/*.md", "packaging/*.md", "paper/*.md"]
+for page in sorted(page for pattern in folders for page in root.glob(pattern)):
     if generated in page.parents:
         continue
     for link in re.findall(r"\]\(([^)\s]+)\)", text_of(page)):
