@@ -15,7 +15,8 @@ repository = docs.parent
 project = "Gridlock"
 author = "The Gridlock developers"
 copyright = author
-release = re.search(r"project\(gridlock VERSION ([\d.]+)", (repository / "CMakeLists.txt").read_text()).group(1)
+release = "".join(re.search(r"project\(gridlock VERSION ([\d.]+).*?GRIDLOCK_VERSION \$\{PROJECT_VERSION\}([-\w]*)",
+                            (repository / "CMakeLists.txt").read_text(), re.DOTALL).groups())
 version = release
 
 extensions = ["myst_nb", "breathe", "sphinx.ext.autodoc"]

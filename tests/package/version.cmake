@@ -10,7 +10,8 @@ include(${CMAKE_CURRENT_LIST_DIR}/run_step.cmake)
 
 # Files that cannot ask CMake say the same.
 string(REPLACE "-dev" ".dev0" python_version ${VERSION})
-foreach(file_and_line "CITATION.cff|version: ${VERSION}" "pyproject.toml|version = \"${python_version}\"")
+foreach(file_and_line "CITATION.cff|version: ${VERSION}" "pyproject.toml|version = \"${python_version}\""
+        "README.md|These pages describe version ${VERSION}." "docs/index.md|These pages describe version ${VERSION}.")
   string(REPLACE "|" ";" file_and_line ${file_and_line})
   list(GET file_and_line 0 file)
   list(GET file_and_line 1 line)

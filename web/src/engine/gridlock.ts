@@ -250,7 +250,7 @@ export interface Session {
 }
 
 export interface Gridlock {
-  /** "0.2.0-dev+0123456789ab", with the commit */
+  /** "0.2.0+0123456789ab", with the commit */
   readonly version: string;
   settings(): readonly SettingDescription[];
   models(): readonly Named[];
