@@ -19,7 +19,7 @@ foreach(folder cmake src apps python studies web)
 endforeach()
 
 set(names "")
-foreach(command find_package pkg_check_modules find_path find_library find_program gridlock_look_for)
+foreach(command find_package pkg_check_modules pkg_search_module find_path find_library find_program gridlock_look_for)
   string(REGEX MATCHALL "[ \n]${command}\\([A-Za-z0-9_]+" calls "\n${build}")
   foreach(call ${calls})
     string(REGEX REPLACE ".*\\(" "" name ${call})
