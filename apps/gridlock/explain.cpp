@@ -187,19 +187,21 @@ std::string explained_elsewhere(std::string_view key) {
   return text;
 }
 
-/// Returns the nearest name, or else all names that contain the word; empty if there are none.
+/// Returns all names that contain the word, or else the nearest name; empty if there is none.
 std::string meant_by(std::string const& key) {
   Configuration configuration;
   std::vector<std::string> names;
   for (ColumnInfo const& column : measured_columns()) names.push_back(column.name);
   for (ColumnElsewhere const& column : columns_elsewhere()) names.push_back(column.column.name);
-  std::string nearest = nearest_setting(describing(configuration), key);
-  if (nearest.empty()) nearest = nearest_name(key, names);
-  if (!nearest.empty()) return nearest;
-  constexpr std::size_t min_letters = 3;
-  if (key.size() < min_letters) return "";
+  std::string const nearest_column = nearest_name(key, names);
   for (std::string& setting : setting_keys(describing(configuration))) names.push_back(std::move(setting));
-  std::erase_if(names, [&](std::string const& name) { return name.find(key) == std::string::npos; });
+  constexpr std::size_t min_letters = 3;
+  std::erase_if(
+      names, [&](std::string const& name) { return key.size() < min_letters || name.find(key) == std::string::npos; });
+  if (names.empty()) {
+    std::string nearest = nearest_setting(describing(configuration), key);
+    return nearest.empty() ? nearest_column : nearest;
+  }
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return fmt::format("{}", fmt::join(names, ", "));
