@@ -64,6 +64,11 @@ def find_faults():
     control = names_in("packaging/debian/control", r"^ *(?:Build-Depends:|Depends:)? *([\w+.-]+)(?: \([^)]*\))?,?$")
     control |= names_in("packaging/debian/control", r"fonts-dejavu-core")
     faults += [f"packaging/debian/control lacks {name}" for name in sorted(wanted - {"g++", "ccache"} - control)]
+    # The container of Apptainer is made as that of Docker.
+    dockerfile = text_of("Dockerfile")
+    sections = re.findall(r"^%post\n((?:    .*\n)+)", text_of("packaging/apptainer/gridlock.def"), re.MULTILINE)
+    made_by = [line.strip() for section in sections for line in section.splitlines() if not line.startswith("    cd ")]
+    faults += [f"the Dockerfile has no command {line}, which that of Apptainer has" for line in made_by if line not in dockerfile]
     version = re.search(r"project\(gridlock VERSION ([\d.]+)", text_of("CMakeLists.txt")).group(1)
     for recipe, pattern in version_of.items():
         found = re.search(pattern, text_of(recipe), re.MULTILINE)
