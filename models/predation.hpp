@@ -74,9 +74,9 @@ struct Predation {
   void check(Box const& box) const { require_rectangle(box, "the model predation"); }
   [[nodiscard]] std::uint64_t agents_at_start() const { return sheep + wolves; }
 
-  /// No animal searches for others: those in its cell are listed, so that the grid needs no more than one cell.
+  /// No animal searches for others: those in its cell are listed, so that a coarse grid is enough.
   [[nodiscard]] double cutoff(AgentSums<Predation> const& all) const {
-    return std::max(all.box().width(), all.box().height());
+    return 0.5 * std::min(all.box().width(), all.box().height());
   }
   [[nodiscard]] double time_step() const { return 1.0; }
   [[nodiscard]] std::size_t columns(Bare) const { return side; }
@@ -103,7 +103,9 @@ struct Predation {
     RandomStream random = meadow.random();
     std::array<std::vector<Id>, 2> herds;
     for (std::vector<Id>& herd : herds) herd.reserve(meadow.size());
-    for (Id const id : meadow.agents_in_random_order(random)) herds[meadow.get<Animal>(id)].push_back(id);
+    for (Id const id : meadow.agents_in_random_order(random)) {
+      herds[meadow.get<Animal>(id) == a_sheep ? a_sheep : a_wolf].push_back(id);
+    }
     std::vector<Place> const flock = graze(meadow, random, herds[a_sheep]);
     hunt(meadow, random, herds[a_wolf], Prey(meadow.field<Bare>().size(), flock));
   }

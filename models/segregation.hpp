@@ -69,10 +69,10 @@ struct Segregation {
   }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
 
-  /// No agent searches for others: it looks at the cells around its own, so that the grid needs no
-  /// more than one cell.
+  /// No agent searches for others: it looks at the cells around its own, so that a coarse grid is
+  /// enough.
   [[nodiscard]] double cutoff(AgentSums<Segregation> const& all) const {
-    return std::max(all.box().width(), all.box().height());
+    return 0.5 * std::min(all.box().width(), all.box().height());
   }
   [[nodiscard]] double time_step() const { return 1.0; }
   [[nodiscard]] std::size_t columns(Homes) const { return side; }

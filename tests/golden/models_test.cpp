@@ -69,7 +69,7 @@ TEST(GoldenModels, OnTheCellsOfAField) {
   expect_golden("meadow", Predation{}, walls, 60);
   expect_golden("endless_meadow", Predation{.side = 30, .sheep = 200, .regrowth = 10}, Box(2.0, 1.0, Edge::periodic),
                 60);
-  expect_golden("city", Segregation{.count = 1200, .radius = 2, .wanted = 9}, Box(2.0, 1.5, Edge::wall), 10);
+  expect_golden("city", Segregation{.count = 900, .radius = 2, .wanted = 9}, Box(2.0, 1.5, Edge::wall), 10);
 }
 
 TEST(GoldenModels, ColloidInTheScenePaperOfTheEngines) {

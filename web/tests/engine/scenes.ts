@@ -156,6 +156,9 @@ const MODELS: Readonly<Record<string, string>> = {
     PERIODIC +
     "catalyst.adsorption_rate = 3000\ncatalyst.adsorption_rate_b = 2000\ncatalyst.desorption_rate = 0.5\ncatalyst.hop_rate = 20\n" +
     'catalyst.hop = 0.05\ncatalyst.reaction = "a_with_b"\ncatalyst.reaction_probability = 0.5\ncatalyst.step_length = 0.1\nrun.steps = 20',
+  meadow: WALLS + "run.steps = 60",
+  endless_meadow: PERIODIC + "box.width = 2\nbox.height = 1\npredation = { side = 30, sheep = 200, regrowth = 10 }\nrun.steps = 60",
+  city: WALLS + "box.width = 2\nbox.height = 1.5\nsegregation = { count = 900, radius = 2, wanted = 9 }\nrun.steps = 10",
 };
 
 function epidemic(): string {
