@@ -135,7 +135,7 @@ struct Predation {
   class Prey {
    public:
     Prey(std::size_t cells, std::vector<Place> const& flock) : first_(cells + 1), left_(cells), sheep_(flock.size()) {
-      for (Place const& sheep : flock) ++first_[sheep.cell + 1];
+      for (Place const& place : flock) ++first_[place.cell + 1];
       for (std::size_t cell = 0; cell < cells; ++cell) first_[cell + 1] += first_[cell];
       for (auto const& [id, cell] : flock) sheep_[first_[cell] + left_[cell]++] = id;
     }
