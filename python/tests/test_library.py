@@ -11,7 +11,7 @@ import pytest
 
 import gridlock
 import gridlock.library
-from gridlock.library import SIR, Ants, Boids, Flock, ForestFire, RandomOrganization, Schelling, SIRNetwork, Voter, WolfSheep
+from gridlock.library import SIR, Ants, Boids, Flock, ForestFire, RandomOrganization, Schelling, SIRNetwork, Sugarscape, Voter, WolfSheep
 
 WALLS = {"box.edge": "wall"}
 PERIODIC = {"box.edge": "periodic"}
@@ -126,6 +126,88 @@ def test_schelling_has_one_agent_in_a_cell_and_keeps_its_map():
     mapped = np.zeros_like(homes)
     mapped[rows, columns] = frame.group + 1
     assert homes.shape == (10, 20) and np.array_equal(mapped, homes) and np.count_nonzero(homes) == 120
+
+
+def sugarscape_in_turns(capacity, count, vision, growback, endowment, lifespan, steps, seed):
+    """The rules of the book on a torus, agent by agent, with new agents for the dead where they have a lifespan; the number of agents, and
+    the Gini coefficient of their wealth."""
+    draw = random.Random(seed)
+    side = len(capacity)
+    sugar = {(x, y): capacity[y][x] for x in range(side) for y in range(side)}
+
+    def newcomer(cell):
+        return {"cell": cell, "vision": draw.randint(1, vision), "use": draw.randint(1, 4), "wealth": draw.randint(*endowment), "age": 0,
+                "lifespan": draw.randint(*lifespan) if lifespan else 10**9}
+
+    agents = [newcomer(cell) for cell in draw.sample(list(sugar), count)]
+    for _ in range(steps):
+        sugar = {(x, y): min(there + growback, capacity[y][x]) for (x, y), there in sugar.items()}
+        dead = []
+        for agent in draw.sample(agents, len(agents)):
+            x, y = agent["cell"]
+            ways = [(0, (x, y))] + [(far, ((x + i * far) % side, (y + j * far) % side))
+                                    for far in range(1, agent["vision"] + 1) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+            taken = {one["cell"] for one in agents if one is not agent}
+            best = min((-sugar[cell], far) for far, cell in ways if cell not in taken)
+            agent["cell"] = draw.choice([cell for far, cell in ways if cell not in taken and (-sugar[cell], far) == best])
+            agent["wealth"] += sugar[agent["cell"]] - agent["use"]
+            sugar[agent["cell"]] = 0
+            agent["age"] += 1
+            if agent["wealth"] <= 0 or agent["age"] > agent["lifespan"]:
+                dead.append(agent)
+                agents.remove(agent)
+        if lifespan:
+            empty = list(sugar.keys() - {one["cell"] for one in agents})
+            agents += [newcomer(cell) for cell in draw.sample(empty, len(dead))]
+    wealth = np.array([one["wealth"] for one in agents])
+    return len(agents), np.abs(wealth[:, None] - wealth).sum() / (2 * len(wealth)**2 * wealth.mean())
+
+
+@pytest.mark.parametrize("lifespan", [None, (3, 9)])
+def test_sugarscape_is_that_of_the_book_agent_by_agent(lifespan):
+    side, count, vision, steps, endowment = 8, 24, 3, 10, (2, 6)
+    model = Sugarscape(side=side, count=count, vision=vision, least_endowment=endowment[0], endowment=endowment[1],
+                       replacement=lifespan is not None, least_lifespan=(lifespan or (1, 1))[0], lifespan=(lifespan or (1, 1))[1])
+    ours = ends({"model": model, **PERIODIC}, ["agents", "gini"], steps=steps, seeds=30)
+    capacity = model.capacity(side, side).tolist()
+    theirs = np.array([sugarscape_in_turns(capacity, count, vision, 1, endowment, lifespan, steps, seed) for seed in range(20)]).T
+    if lifespan is None:
+        require_same_means(ours[0], theirs[0])
+    else:
+        assert (ours[0] == count).all()
+    require_same_means(ours[1], theirs[1])
+
+
+def test_the_endowments_of_sugarscape_are_as_unequal_as_chance_has_it():
+    count, least, most = 400, 5, 25
+    values = most - least + 1
+    (shares,) = ends({"model": Sugarscape(count=count)}, ["gini"], steps=0, seeds=40)
+    require_mean(shares, (1 - 1 / count) * (values**2 - 1) / (3 * values * (least + most)))
+
+
+def test_nobody_starves_in_sugarscape_whose_cell_holds_enough_and_grows_back_at_once():
+    scape = gridlock.Simulation(model=Sugarscape(growback=4.0, count=1000), box={"edge": "periodic"})
+    first = scape.frame
+    held = Sugarscape().capacity(50, 50)[tuple((first.positions[:, ::-1] * 50).astype(int).T)]
+    scape.run(steps=60)
+    fed = first.ids[held >= first.metabolism]
+    assert 300 < len(fed) < len(scape.agents) < 1000 and np.isin(fed, scape.frame.ids).all()
+
+
+@pytest.mark.parametrize("edge", ["periodic", "wall"])
+def test_sugar_is_where_it_was_or_eaten_and_no_two_agents_share_a_cell(edge):
+    scape = gridlock.Simulation(model=Sugarscape(growback=0.0), box={"edge": edge, "width": 2.0, "height": 1.0})
+    for _ in range(5):
+        before = scape.frame
+        scape.run(steps=1)
+        after = scape.frame
+        living = np.isin(before.ids, after.ids)
+        cells = (after.positions * 25).astype(int)
+        assert after.fields["sugar"].shape == (25, 50) and len(np.unique(cells, axis=0)) == len(cells)
+        # What the dead have found, and more, they have used up.
+        eaten = before.fields["sugar"].sum() - after.fields["sugar"].sum()
+        gained = (after.wealth - before.wealth[living] + before.metabolism[living]).sum()
+        assert gained <= eaten <= gained + 4 * np.count_nonzero(~living)
 
 
 def test_wolves_without_sheep_live_on_what_they_have():
@@ -400,7 +482,7 @@ MODELS = [getattr(gridlock.library, name) for name in gridlock.library.__all__]
 def test_a_model_of_the_library_says_what_it_is_and_goes_on_with_the_same_bits(model, tmp_path):
     assert "Source: " in model.__doc__ and "doi:" in model.__doc__ and "Cost: " in model.__doc__
     settings = {name: value for name, value in vars(model).items() if isinstance(value, gridlock.Setting)}
-    assert settings and all(one.documentation and (one.choices or one.least > -math.inf) for one in settings.values())
+    assert settings and all(one.documentation and (one.choices or isinstance(one.default, bool) or one.least > -math.inf) for one in settings.values())
     box = {"width": 30.0, "height": 30.0, "edge": "periodic"} if model is Boids else {"edge": "wall"}
     shared = {"model": model, "box": box, "observe.every": 4}
     gridlock.run({**shared, "run.steps": 12}, tmp_path / "whole")
@@ -430,6 +512,9 @@ REFUSED = {
     "more than certain": ({"model": SIR(infection_rate=50.0), **WALLS}, "infection_rate · time_step is 2.5, but is a probability"),
     "an odd number of contacts": ({"model": SIRNetwork(degree=5)}, "each of 2000 people has 5 contacts"),
     "more acquaintances than voters": ({"model": Voter(count=6)}, "each of 6 voters has 6 acquaintances"),
+    "more agents than cells of sugar": ({"model": Sugarscape(count=2501)}, "2501 agents have 2500 cells"),
+    "a view around the world": ({"model": Sugarscape(side=12)}, "agents of sugarscape see 6 cells far on 12"),
+    "ages in the wrong order": ({"model": Sugarscape(lifespan=30)}, "least_lifespan of sugarscape is 60 and lifespan 30"),
     "a density above 1": ({"model": ForestFire(density=1.5)}, "forest_fire.density"),
 }
 

@@ -19,7 +19,9 @@ from .random_organization import RandomOrganization
 from .schelling import Schelling
 from .sir import SIR
 from .sir_network import SIRNetwork
+from .sugarscape import Sugarscape
 from .voter import Voter
 from .wolf_sheep import WolfSheep
 
-__all__ = ["SIR", "Ants", "Boids", "Flock", "ForestFire", "RandomOrganization", "SIRNetwork", "Schelling", "Voter", "WolfSheep"]
+__all__ = ["SIR", "Ants", "Boids", "Flock", "ForestFire", "RandomOrganization", "SIRNetwork", "Schelling", "Sugarscape", "Voter",
+           "WolfSheep"]
