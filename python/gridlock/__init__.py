@@ -30,7 +30,7 @@ from .changes import Change
 from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics, shear_viscosity
 from .errors import Error, Problem, RunFailure
-from .experiments import Experiment, experiment, run_until
+from .experiments import Experiment, ExperimentStopped, experiment, run_until
 from .fields import Field
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, Verification, read_xyz, verify
 from .files import open as open
@@ -59,7 +59,7 @@ from .world import Halts, Start, World
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
     "Agents", "Box", "Change", "Clock", "CollectiveScattering", "Column", "Combined", "Contacts", "Defects", "DensityProfile", "Dynamics", "Edges",
-    "Error", "Experiment", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "Network", "OrderCorrelation",
+    "Error", "Experiment", "ExperimentStopped", "Field", "Frame", "FrameContacts", "Halts", "Model", "Neighbors", "Network", "OrderCorrelation",
     "PairCorrelation", "PairCorrelationMap", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Shown",
     "Simulation", "SobolDesign", "SpectralDensity", "Start", "StringLengths", "StructureFactor", "StructurePeak", "SweepDirectory",
     "Table", "Trajectory", "VanHove", "Verification", "Voronoi", "WeightedNeighbors", "World", "WorldNetwork", "bond_orientation",

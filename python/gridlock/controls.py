@@ -114,16 +114,7 @@ def description(simulation: Simulation, settings: Sequence[Control]) -> dict[str
 
 
 def charts_of(model: type[Model], quantities: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
-    """The charts that a model declares, with their curves, and one for each observation in none of them that says nothing of itself.
-
-    :raises Error: for a curve that is no column of the series.
-    """
-    names = [quantity["name"] for quantity in quantities]
-    for title, curves in model.charts.items():
-        for name in curves:
-            if name not in names:
-                raise Error(f"the chart {title!r} of the model {model.name} has a curve {name!r}, which nobody measures\n"
-                            f"  hint: it has {', '.join(names)}")
+    """The charts that a model declares, with their curves, and one for each observation in none of them that says nothing of itself."""
     declared = {name for curves in model.charts.values() for name in curves}
     alone = [quantity["name"] for quantity in quantities if not quantity["documentation"] and quantity["name"] not in declared]
     return [{"title": title, "names": list(curves)} for title, curves in (*model.charts.items(), *((name, [name]) for name in alone))]

@@ -8,6 +8,7 @@ import multiprocessing
 import operator
 import os
 import re
+import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
@@ -96,13 +97,20 @@ class _Job(NamedTuple):
     models: list[type[Model]]
 
 
+class ExperimentStopped(KeyboardInterrupt):
+    """Ctrl-C has ended an experiment; ``experiment`` has the runs that were done, None where there was none."""
+
+    experiment: Experiment | None = None
+
+
 class Experiment:
     """What an experiment has found. ``table`` has one row for each run: the values, ``run.seed``, the last ``step`` and ``time``, ``ended``
     (whether the condition held then), and what was measured."""
 
-    def __init__(self, keys: Sequence[str], table: NDArray[Any]) -> None:
+    def __init__(self, keys: Sequence[str], table: NDArray[Any], points: Sequence[int]) -> None:
         self.keys = tuple(keys)
         self.table = table
+        self._numbers = np.asarray(points)  # of the combination of each row
 
     @property
     def means(self) -> NDArray[Any]:
@@ -127,7 +135,13 @@ class Experiment:
         if name not in (self.table.dtype.names or ()):
             raise Error(f"the experiment has no column {name!r}\n  hint: it has {', '.join(self.table.dtype.names or ())}")
         numbers = self.table[name].astype(np.float64)
-        edges = np.histogram_bin_edges(numbers[np.isfinite(numbers)], bins)
+        try:
+            edges = np.histogram_bin_edges(numbers[np.isfinite(numbers)], as_count(bins, "bins", most=10**6) if np.ndim(bins) == 0 else bins)
+            if len(edges) < 2 or not np.isfinite(edges).all():
+                raise ValueError
+        except (TypeError, ValueError) as error:
+            raise error if isinstance(error, Error) else Error(
+                f"bins is {in_short(bins)}\n  hint: say how many, 1 to 1000000, or give the edges of all bins in ascending order") from None
         columns: dict[str, Any] = {key: [] for key in (*self.keys, "low", "high", "runs")}
         for rows in self._points():
             found, _ = np.histogram(rows[name].astype(np.float64), edges)
@@ -146,9 +160,9 @@ class Experiment:
 
     def _points(self) -> Iterator[NDArray[Any]]:
         """The rows of each combination; the runs of one follow one another."""
-        numbers = len(np.unique(self.table["run.seed"]))
-        for begin in range(0, len(self.table), numbers):
-            yield self.table[begin : begin + numbers]
+        ends = [*np.flatnonzero(np.diff(self._numbers)) + 1, len(self.table)]
+        for begin, end in zip([0, *ends], ends):
+            yield self.table[begin:end]
 
     def __repr__(self) -> str:
         return f"<gridlock.Experiment: {len(self.table)} runs over {', '.join(self.keys) or 'seeds'}>"
@@ -182,6 +196,7 @@ def experiment(
     :param executor: any executor of ``concurrent.futures``, or a client of Dask; its functions have to be those of modules.
     :raises Error: for settings and values of which a run cannot be made.
     :raises RunFailure: where a run failed, with its values.
+    :raises ExperimentStopped: on Ctrl-C, a ``KeyboardInterrupt`` with the table of the runs that are done; those going on are ended.
 
     >>> import gridlock.library
     >>> fires = experiment({"model": gridlock.library.ForestFire, "forest_fire.side": 30}, {"forest_fire.density": [0.4, 0.8]},
@@ -203,14 +218,22 @@ def experiment(
     kinds = {value.strip('"') for key, value in base if key == "model.kind"}
     models = [model for model in registered_models() if model.name in kinds]
     job = _Job(settings, more, points, numbers, most, until, stride, measure, models)
-    with ProgressBar(progress, None) as on_progress:
-        rows = _all_rows(job, processes, executor, on_progress)
-    keys = list(points[0])
-    whole = [
-        {**{key: _as_cell(point[key]) for key in keys}, "run.seed": seed, **row}
-        for (point, seed), row in zip(itertools.product(points, numbers), rows)
-    ]
-    return Experiment(keys, _table(whole, without=() if until is not None else ("ended",)))
+    rows: dict[int, dict[str, Any]] = {}
+
+    def found() -> Experiment:
+        keys, done = list(points[0]), sorted(rows)
+        whole = [{**{key: _as_cell(points[run // len(numbers)][key]) for key in keys}, "run.seed": numbers[run % len(numbers)], **rows[run]}
+                 for run in done]
+        return Experiment(keys, _table(whole, without=() if until is not None else ("ended",)), [run // len(numbers) for run in done])
+
+    try:
+        with ProgressBar(progress, None) as on_progress:
+            _run_all(job, rows, processes, executor, on_progress)
+    except KeyboardInterrupt as stop:
+        stopped = ExperimentStopped(f"{len(rows)} of {len(points) * len(numbers)} runs of the experiment are done; they are in .experiment of this error")
+        stopped.experiment = found() if rows else None
+        raise stopped from stop
+    return found()
 
 
 def _table(rows: list[dict[str, Any]], without: Sequence[str]) -> NDArray[Any]:
@@ -248,42 +271,60 @@ def _points_of(values: Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]
 _inherited: list[_Job] = []
 
 
-def _all_rows(
-    job: _Job, processes: int, executor: concurrent.futures.Executor | None, on_progress: Callable[[int, float], None] | None
-) -> list[dict[str, Any]]:
+def _run_all(
+    job: _Job, rows: dict[int, dict[str, Any]], processes: int, executor: concurrent.futures.Executor | None,
+    on_progress: Callable[[int, float], None] | None,
+) -> None:
+    """Puts what each run has found under its number into ``rows``."""
     count = len(job.points) * len(job.seeds)
     workers = min(count, as_count(processes, "processes", "use a whole number, 0 for all cores", least=0) or os.cpu_count() or 1)
     if executor is None and workers > 1 and "fork" in multiprocessing.get_all_start_methods():
         _inherited.append(job)
+        others = set(multiprocessing.active_children())
         try:
-            with concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("fork")) as own:
-                return _gathered([own.submit(_inherited_row, number) for number in range(count)], on_progress)
+            with concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("fork"), _leave_interrupts_to_parent) as own:
+                try:
+                    _gather([own.submit(_inherited_row, number) for number in range(count)], rows, on_progress)
+                except KeyboardInterrupt:
+                    for process in set(multiprocessing.active_children()) - others:
+                        process.kill()
+                    raise
         finally:
             _inherited.pop()
-    if executor is not None:
-        return _gathered([executor.submit(_row, job, number) for number in range(count)], on_progress)
-    rows = []
-    for number in range(count):
-        rows.append(_row(job, number))
-        if on_progress is not None:
-            on_progress(number + 1, (number + 1) / count)
-    return rows
-
-
-def _gathered(futures: list[concurrent.futures.Future[dict[str, Any]]], on_progress: Callable[[int, float], None] | None) -> list[dict[str, Any]]:
-    """What all futures give, in their order; the first that fails takes back those that have not begun."""
-    rows = []
-    try:
-        for number, future in enumerate(futures, start=1):
-            rows.append(future.result())
+    elif executor is not None:
+        _gather([executor.submit(_row, job, number) for number in range(count)], rows, on_progress)
+    else:
+        for number in range(count):
+            rows[number] = _row(job, number)
             if on_progress is not None:
-                on_progress(number, number / len(futures))
+                on_progress(number + 1, (number + 1) / count)
+
+
+def _leave_interrupts_to_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _gather(
+    futures: list[concurrent.futures.Future[dict[str, Any]]], rows: dict[int, dict[str, Any]], on_progress: Callable[[int, float], None] | None
+) -> None:
+    """Waits for all futures; the first that fails takes back those that have not begun."""
+    try:
+        for number, future in enumerate(futures):
+            rows[number] = future.result()
+            if on_progress is not None:
+                on_progress(number + 1, (number + 1) / len(futures))
     except concurrent.futures.BrokenExecutor as error:
         raise RunFailure(f"a process of the experiment died: {error}\n  hint: it may have run out of memory; use fewer processes") from error
+    except KeyboardInterrupt:
+        rows.update({number: future.result() for number, future in enumerate(futures) if _has_row(future)})
+        raise
     finally:
         for future in futures:
             future.cancel()
-    return rows
+
+
+def _has_row(future: concurrent.futures.Future[dict[str, Any]]) -> bool:
+    return future.done() and not future.cancelled() and future.exception() is None
 
 
 def _inherited_row(number: int) -> dict[str, Any]:

@@ -251,6 +251,14 @@ class Model:
         finally:
             world._close()
 
+    def _require_curves(self, names: Sequence[str]) -> None:
+        """Refuses charts of what is no column of the series."""
+        for title, curves in self.charts.items():
+            for name in curves:
+                if name not in names:
+                    raise Error(f"the chart {title!r} of the model {self.name} has a curve {name!r}, which nobody measures\n"
+                                f"  hint: it has {', '.join(names)}")
+
     def _observed(self, core: ModelWorld) -> list[tuple[str, str, str]]:
         seen = self._seen(core)
         taken = ("step", "time", "agents", *self.events)
@@ -406,6 +414,16 @@ def _place_of(exception: BaseException) -> str:
     """The file and the line of the user's code that an exception has passed last; empty where it was in none."""
     frames = [frame for frame in traceback.extract_tb(exception.__traceback__) if not _is_ours(frame)]
     return f" ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})" if frames else ""
+
+
+def raised_text(exception: BaseException) -> str:
+    """What a file of the user has raised, with its line, in one line and a hint."""
+    if isinstance(exception, SyntaxError):
+        where = f" ({os.path.basename(exception.filename or '')}, line {exception.lineno})"
+        return f"{type(exception).__name__}: {exception.msg}{where}"
+    text = str(exception) if isinstance(exception, Error) else "".join(traceback.format_exception_only(type(exception), exception)).strip()
+    what, mark, hint = text.partition("\n  hint: ")
+    return f"{what}{_place_of(exception)}{mark}{hint}"
 
 
 def take_failure() -> BaseException | None:

@@ -177,6 +177,8 @@ class Simulation:
         _take_started()
         self._core = _core.Simulation(file, values, None if threads is None else as_threads(threads))
         self._model = _take_started()
+        if self._model is not None:
+            self._model._require_curves([column.name for column in self.columns])
         self._changes: list[Change] = []
         self._hands_out_copies = False
         self._functions: list[Callable[[Simulation], Any]] = []

@@ -73,14 +73,15 @@ class Start(_SeenByModel):
     model with kinds ``start.sheep`` is the start of the sheep: its :meth:`add` adds sheep, and its random numbers are those of the sheep.
     """
 
-    def __init__(self, core: ModelWorld, model: Model, kind: int | None = None) -> None:
+    def __init__(self, core: ModelWorld, model: Model, kind: int | None = None, calls: dict[int | None, int] | None = None) -> None:
         self._core = core
         self._model = model
         self._kind = kind
+        self._calls = {} if calls is None else calls  # of anywhere(), by the kind
 
     def __getattr__(self, name: str) -> Any:
         if name in self._model.kinds and self._kind is None:
-            return Start(self._core, self._model, number_of(self._model, name))
+            return Start(self._core, self._model, number_of(self._model, name), self._calls)
         if not name.startswith("_") and name in self._model.networks and self._kind is None:
             return self._network(name)
         if name.startswith("_") or name not in self._model.fields:
@@ -99,11 +100,14 @@ class Start(_SeenByModel):
         """Places of so many agents anywhere in the box, shape (count, 2).
 
         :param radius: of all agents, or of each: none of these agents overlaps another, or a wall. Where places are taken, they are drawn
-            again; agents of other calls are not seen.
+            again; agents of other calls are not seen. Each call draws places of its own.
         :raises Error: where 1,000 draws find no place; to about 45 % of the area covered they do.
         """
+        call = self._calls.get(self._kind, 0)
+        self._calls[self._kind] = call + 1
+        first = 2**29 + call if call else 0  # purposes of random numbers
         if radius is None:
-            return self._drawn(count, 0)
+            return self._drawn(count, first)
         radii = as_radii(radius, _whole("count", count))
         margin = np.stack([radii * (not self.box.periodic_x), radii * (not self.box.periodic_y)], axis=1)
         places = np.zeros((count, 2))
@@ -111,7 +115,7 @@ class Start(_SeenByModel):
         for draw in range(1000):
             if len(missing) == 0:
                 return places
-            drawn = self._drawn(count, 2**30 + draw if draw else 0)
+            drawn = self._drawn(count, 2**30 + 1000 * call + draw if draw else first)
             places[missing] = (margin + drawn * (1 - 2 * margin / [self.box.width, self.box.height]))[missing]
             pairs = pairs_of_disks(places, radii, self.box).astype(np.int64)
             # The agent that was placed before the other keeps its place; of two new ones that with the lower number.
@@ -460,7 +464,7 @@ def _put_into(array: NDArray[Any], name: str, values: ArrayLike) -> None:
 
 
 def _whole(what: str, number: Any) -> int:
-    return as_count(number, what, "use a whole number from 0 on", least=0)
+    return as_count(number, what, "use a whole number from 0 to 2147483647", least=0)
 
 
 def _numbers(core: ModelWorld, rows: NDArray[np.uint64], size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:

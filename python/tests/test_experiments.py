@@ -3,6 +3,9 @@
 import concurrent.futures
 import math
 import os
+import signal
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -179,6 +182,20 @@ def test_an_experiment_runs_the_points_of_a_design():
     assert found["total"][1] == 0.0 and found["total"][0] > 0.5
 
 
+@pytest.mark.parametrize("processes", [1, 2])
+def test_ctrl_c_ends_an_experiment_at_once_and_leaves_the_table_of_what_is_done(processes):
+    def stop(done, fraction):
+        if done == 2:
+            threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()  # while two runs without end go on
+
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt, match="2 of 4 runs of the experiment are done") as stopped:
+        gridlock.experiment(COINS, {"test_coins.chance": [1.0, 0.0]}, steps=10**9, seeds=2, until="standing == 0",
+                            processes=processes, progress=stop)
+    found = stopped.value.experiment
+    assert time.monotonic() - began < 10 and found.table["run.seed"].tolist() == [1, 2] and found.means["runs"].tolist() == [2]
+
+
 WRONG = {
     "no settings": (lambda: gridlock.SobolDesign({}), "there are no settings to vary"),
     "a setting without bounds": (lambda: gridlock.SobolDesign(["test_coins.free"]), "test_coins.free has no bounds to take samples from"),
@@ -186,6 +203,8 @@ WRONG = {
     "one bound": (lambda: gridlock.SobolDesign({"a.b": (1.0,)}), "the bounds of a.b are (1.0,)"),
     "bounds the wrong way": (lambda: gridlock.SobolDesign({"a.b": (1.0, 0.5)}), "the bounds of a.b are 1 and 0.5"),
     "no power of 2": (lambda: gridlock.SobolDesign({"a.b": (0.0, 1.0)}, samples=100), "samples is 100"),
+    "no bins": (lambda: gridlock.experiment(COINS, steps=0, seeds=1, processes=1).histogram("standing", 0), "bins is 0"),
+    "falling edges": (lambda: gridlock.experiment(COINS, steps=0, seeds=1, processes=1).histogram("standing", [2, 1]), "bins is [2, 1]"),
     "other values": (lambda: gridlock.SobolDesign({"a.b": (0.0, 1.0)}, samples=2).indices([1.0]), "the values have shape (1,)"),
     "equal values": (lambda: gridlock.SobolDesign({"a.b": (0.0, 1.0)}, samples=2).indices(np.ones(6)), "all values are 1"),
 }

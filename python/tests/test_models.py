@@ -432,3 +432,23 @@ def test_a_setting_says_whether_a_change_of_it_restarts_but_not_those_of_fields_
     for key in ("side", "pace", "stays"):
         with pytest.raises(gridlock.Error, match="cannot change"):
             meadow.change({f"test_changing_meadow.{key}": 3})
+
+
+def test_each_call_for_places_of_a_start_draws_its_own():
+    drawn = []
+
+    class Two(gridlock.Model):
+        name = "test_two_calls"
+        kinds = {"one": {}, "other": {}}
+
+        def start(self, start):
+            drawn.append([start.one.anywhere(50), start.one.anywhere(50), start.other.anywhere(50), start.one.anywhere(50, radius=0.01)])
+            start.one.add(positions=drawn[-1][0])
+
+        def step(self, world):
+            pass
+
+    gridlock.Simulation(model=Two)
+    gridlock.Simulation(model=Two)
+    assert len({places.tobytes() for places in drawn[0]}) == 4
+    assert all(np.array_equal(*both) for both in zip(*drawn))

@@ -361,7 +361,7 @@ def test_what_cannot_be_shown_is_refused(page_folder, monkeypatch):
         charts = {"People": ("dead",)}
 
     with pytest.raises(gridlock.Error, match="the chart 'People' of the model test_lost has a curve 'dead'"):
-        gridlock.show(Lost, block=False)
+        gridlock.Simulation(model=Lost)
 
     class Crowded(Drifters):
         name = "test_crowded"
@@ -384,7 +384,7 @@ def test_every_setting_has_a_control_of_its_kind():
     assert {one.kind for one in known.values()} == {"number", "integer", "switch", "text", "choice"}
 
 
-def test_the_command_finds_the_model_of_a_file(page_folder, tmp_path, capsys):
+def test_the_command_finds_the_model_of_a_file_or_says_in_which_line_it_fails(page_folder, tmp_path, capsys):
     file = tmp_path / "two.py"
     file.write_text("import gridlock\nclass A(gridlock.Model):\n    name = 'a'\nclass B(gridlock.Model):\n    name = 'b'\n"
                     "if __name__ == '__main__':\n    raise SystemExit(3)\n")
@@ -393,6 +393,14 @@ def test_the_command_finds_the_model_of_a_file(page_folder, tmp_path, capsys):
     assert main([os.fspath(file), "--model", "c"]) == 2 and "has no model c" in capsys.readouterr().err
     assert main([os.fspath(tmp_path / "none.py")]) == 2 and "cannot be read" in capsys.readouterr().err
     assert main([os.fspath(file), "--set", "x"]) == 2 and "--set x sets nothing" in capsys.readouterr().err
+    for text, words in [("import gridlock\nx = 1 / 0\n", "error: ZeroDivisionError: division by zero (two.py, line 2)\n"),
+                        ("def f(:\n", "error: SyntaxError: invalid syntax (two.py, line 1)\n"),
+                        ("import gridlock\n\nx = gridlock.Setting(-1)\n", "error: a setting has the default -1 (two.py, line 3)\n  hint: whole"),
+                        ("import missing_module\n", "error: ModuleNotFoundError: No module named 'missing_module' (two.py, line 1)\n"),
+                        (MODEL.replace("COUNT", "1 // 0"), "error: ZeroDivisionError: integer division or modulo by zero (two.py, line 5)\n")]:
+        file.write_text(text)
+        assert main([os.fspath(file), "--no-open"]) == 2
+        assert capsys.readouterr().err.startswith(words)
     assert main(["a.toml", "b.toml"]) == 2 and "settings follow a file of Python" in capsys.readouterr().err
 
 

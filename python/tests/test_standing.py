@@ -151,7 +151,7 @@ def test_agents_can_start_anywhere_without_overlap(edge):
 
     def start(begin):
         places = begin.anywhere(150, radius=radius)
-        assert np.array_equal(places, begin.anywhere(150, radius=radius))
+        assert not np.array_equal(places, begin.anywhere(150, radius=radius))  # which are as good as any
         begin.add(positions=places)
 
     def step(world):

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import Error, RunFailure
 from ..files import settings_in
-from ..models import Model
+from ..models import Model, raised_text
 from ..show import start, tell
 
 #: The name of a file that is shown, in place of "__main__".
@@ -30,12 +30,16 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def model_in(path: str, name: str = "") -> type[Model]:
-    """The model of a file of Python, the one of that name where it has several. Errors: Error; and whatever the file raises."""
+    """The model of a file of Python, the one of that name where it has several. Errors: Error, also for what the file raises."""
     sys.path.insert(0, os.path.dirname(os.path.abspath(path)))
     try:
         found = runpy.run_path(path, run_name=NAME)
     except OSError as error:
+        if error.filename != path:
+            raise Error(raised_text(error)) from error
         raise Error(f"{path} cannot be read: {error.strerror}\n  hint: name a file of Python, or settings in TOML") from None
+    except Exception as mistake:
+        raise Error(raised_text(mistake)) from mistake
     finally:
         del sys.path[0]
     models = {model.name: model for model in found.values() if isinstance(model, type) and issubclass(model, Model) and model.__module__ == NAME}
@@ -108,6 +112,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (MemoryError, OSError, RunFailure) as error:
         print(f"error: {error or 'not enough memory'}", file=sys.stderr)
         return 1
+    except Exception as mistake:  # noqa: BLE001: of the start of a model
+        print(f"error: {raised_text(mistake)}", file=sys.stderr)
+        return 2
 
 
 if __name__ == "__main__":
