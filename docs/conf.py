@@ -6,10 +6,12 @@ page of the repository's root is the chapter that includes it.
 """
 import pathlib
 import re
+import sys
 
 from breathe.renderer import sphinxrenderer
 
 docs = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(docs))  # site_parts
 repository = docs.parent
 
 project = "Gridlock"
@@ -19,11 +21,11 @@ release = "".join(re.search(r"project\(gridlock VERSION ([\d.]+).*?GRIDLOCK_VERS
                             (repository / "CMakeLists.txt").read_text(), re.DOTALL).groups())
 version = release
 
-extensions = ["myst_nb", "breathe", "sphinx.ext.autodoc"]
+extensions = ["myst_nb", "breathe", "sphinx.ext.autodoc", "site_parts"]
 root_doc = "index"
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4
-exclude_patterns = ["requirements-docs.txt"]
+exclude_patterns = ["requirements-docs.txt", "templates"]
 # Notebooks are kept without results: they are run for the site, as they are by the tests.
 nb_execution_mode = "force"
 nb_execution_timeout = 120
@@ -31,10 +33,15 @@ nb_execution_raise_on_error = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 html_theme = "furo"
+html_favicon = "images/mark.svg"
 html_title = f"Gridlock {release}"
 html_show_sphinx = False
-html_static_path = ["site.css"]
+html_static_path = ["site.css", "site.js"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
+templates_path = ["templates"]
+html_sidebars = {"**": ["sidebar/scroll-start.html", "sidebar/brand.html", "versions.html", "sidebar/search.html", "sidebar/navigation.html",
+                        "sidebar/scroll-end.html"]}
 highlight_language = "none"
 
 breathe_projects = {"gridlock": str(repository / "build-docs" / "doxygen" / "xml")}
@@ -63,6 +70,8 @@ def link_chapters(app, docname, source):
             source[0] = re.sub(r"\]\((?!https?:|#)", "](../../", text).replace("](../../docs/", "](../")
     for page, chapter in root_pages.items():
         source[0] = source[0].replace(f"]({'../' * (depth + 1)}{page}", f"]({'../' * depth}{chapter}")
+    # A Markdown file that is no chapter is a download as any other.
+    source[0] = source[0].replace(f"]({'../' * (depth + 1)}licenses/README.md", f"](path:{'../' * (depth + 1)}licenses/README.md")
 
 
 def write_api_pages(app):

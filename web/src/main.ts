@@ -11,6 +11,9 @@ import { Viewer } from "./viewer/viewer.ts";
 import "./viewer/style.css";
 
 const theme = new ThemeSwitch();
+// "figure" is for a frame in another page: the picture of the playground and its keys; "viewer" begins with the viewer.
+const view = new URLSearchParams(location.search).get("view");
+document.documentElement.classList.toggle("as-figure", view === "figure");
 
 const showVersion = (version: string): void => {
   shell.version = version;
@@ -50,7 +53,7 @@ function theViewer(): Viewer {
 }
 
 const shell = new Shell(document.getElementById("page") as HTMLElement, panels, theme);
-void shell.show(isServed() ? VIEWER : 0);
+void shell.show(isServed() || view === "viewer" ? VIEWER : 0);
 acceptDrops((files) => {
   void shell.show(VIEWER);
   void theViewer().openFiles(files);

@@ -19,13 +19,13 @@ const TYPES: Readonly<Record<string, string>> = {
   ".json": "application/json",
 };
 
-/** The page's folder by HTTP on the loopback interface. */
-export async function servePage(): Promise<{ address: string; server: Server }> {
-  if (!existsSync(join(PAGE_FOLDER, "index.html"))) throw new Error(`${PAGE_FOLDER} has no page; build it with ./dev build-web`);
+/** The page's folder, or another one, by HTTP on the loopback interface. */
+export async function servePage(folder = PAGE_FOLDER): Promise<{ address: string; server: Server }> {
+  if (!existsSync(join(folder, "index.html"))) throw new Error(`${folder} has no page; build it with ./dev build-web`);
   const server = createServer((request, response) => {
     const path = normalize(decodeURIComponent((request.url ?? "/").replace(/[?#].*$/, ""))).replace(/^\/+/, "") || "index.html";
-    const file = join(PAGE_FOLDER, path);
-    if (!file.startsWith(PAGE_FOLDER) || !existsSync(file) || !statSync(file).isFile()) {
+    const file = join(folder, path);
+    if (!file.startsWith(folder) || !existsSync(file) || !statSync(file).isFile()) {
       response.writeHead(404).end();
       return;
     }
