@@ -43,6 +43,15 @@ def medians(command, work):
     return found
 
 
+def table(least, options):
+    """Rows of the least medians, under a line that says how they came about."""
+    names = ("Gridlock", "Mason", "Mesa")
+    lines = [f"# {options.runs} runs, up to {options.rounds} rounds in turns; Mesa {importlib.metadata.version('mesa')}, MASON 22.0; {os.getloadavg()[0]:.1f} programs "
+             f"at work on {os.cpu_count()} cores at the end; comparisons/run.py", "model," + ",".join(f"{name}_milliseconds" for name in names)]
+    lines += [f"{model}," + ",".join(f"{least[name, model]:.2f}" for name in names) for model in sorted({model for _, model in least})]
+    return "\n".join(lines) + "\n"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("comparison", type=pathlib.Path, help="a clone of the public comparison")
@@ -58,12 +67,8 @@ def main():
                             ["bash", f"{model}/Mason/benchmark_{file}.sh"]):
                 for key, value in medians(command, work).items():
                     least[key] = min(value, least.get(key, value))
-    names = ("Gridlock", "Mason", "Mesa")
-    lines = [f"# {options.runs} runs, {options.rounds} rounds in turns; Mesa {importlib.metadata.version('mesa')}, MASON 22.0; {os.getloadavg()[0]:.1f} programs at work "
-             f"on {os.cpu_count()} cores at the end; comparisons/run.py", "model," + ",".join(f"{name}_milliseconds" for name in names)]
-    lines += [f"{model}," + ",".join(f"{least[name, model]:.2f}" for name in names) for model in sorted({model for _, model in least})]
-    options.output.write_text("\n".join(lines) + "\n")
-    print("\n".join(lines))
+        options.output.write_text(table(least, options))
+    print(table(least, options), end="")
 
 
 main()
