@@ -63,8 +63,8 @@ def changed(model: Model, step: int, values: Mapping[str, Any]) -> list[Change]:
         before = getattr(model, setting.key)
         model.__dict__["_values"][setting.key] = now = setting.of_its_type(value)
         found += [Change(step, key, before, now)] if now != before else []
-    # A cached property may depend on what has changed.
-    for name in [name for name in model.__dict__ if not name.startswith("_")]:
+    # Cached properties, and the layout of turns, may depend on what has changed.
+    for name in [name for name in model.__dict__ if not name.startswith("_") or name == "_layout"]:
         del model.__dict__[name]
     return found
 

@@ -32,6 +32,8 @@ All agents act at the same time, upon the world as it was before the step::
 - ``neighbors``: the rows nearer than the cutoff; ``separations[k]``: the vector to neighbors[k], shape (2,).
 - ``now.x``, ``now.y`` and all columns: arrays before the step, to be read. ``next``: the columns after it, to be written in ``row``, with the
   displacements ``next.dx`` and ``next.dy``, and ``next.dies``.
+- In a model with kinds ``now.kind[row]`` says of which kind an agent is, 0, 1, 2 … in the order of ``kinds``. A column of some kinds has a row for
+  every agent here too: 0 for the others, for which nothing may be written.
 - ``settings``: the numbers among the settings. ``random``: ``random_numbers`` uniform numbers. ``events``: a count for each of ``events``.
 
 Numba compiles at the first step, for some seconds; afterwards Vicsek's flock takes about three times as long as in C++. Indices beyond an
@@ -45,14 +47,17 @@ import inspect
 import warnings
 from collections import namedtuple
 from collections.abc import Callable, Hashable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from .errors import Error
+from .kinds import COLUMN
 from .neighbors import Neighbors, as_neighbors
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from .models import Model
     from .world import World
 
@@ -70,41 +75,87 @@ def require_turn(model: type[Model]) -> None:
     if not hasattr(model, "cutoff") and not _names_neighbors(model):
         raise Error(f"{what} has no cutoff\n  hint: say how far its agents look, by a number, a setting or a property; or define neighbors(self, world)")
     for name in reserved_columns:
-        if name in model.columns:
+        if any(name in columns for columns in (model.columns, *model.kinds.values())):
             raise Error(f"{what} has a column {name}, a name of turns\n  hint: choose another name")
-    if any(model.kinds.values()):
-        raise Error(f"{what} has turns, and columns of some kinds\n  hint: turns see the columns of all agents: name them in columns, or define step()")
+
+
+class _Layout(NamedTuple):
+    """What the turns of a model see that no step changes."""
+
+    now: Any  #: a type of named arrays; one for each class, so that Numba compiles once
+    next: Any
+    common: list[str]  #: columns of all agents that turns change
+    own: dict[str, list[str]]  #: columns of some kinds, with the names of these kinds
+    settings: Any
+    sides: Any
+
+
+def _layout_of(model: Model, world: World) -> _Layout:
+    known: _Layout | None = vars(model).get("_layout")
+    if known is not None:
+        return known
+    kinds = list(model.kinds)
+    own = {name: [kinds[number] for number in column.kinds] for name, column in model._columns.items() if column.kinds}
+    common = [name for name in model._columns if name not in own and not (kinds and name == COLUMN)]
+    settings = {key: value for key, value in model.settings.items() if isinstance(value, (bool, int, float))}
+    # A compiled turn reads values alone, no properties.
+    sides = {name: getattr(world.box, name) for name in ("width", "height", "periodic_x", "periodic_y")}
+    layout = vars(model)["_layout"] = _Layout(
+        _named(type(model), "Now", ("x", "y", *([COLUMN] if kinds else []), *common, *own)),
+        _named(type(model), "Next", (*common, *own, *reserved_columns)),
+        common, own, _named(type(model), "Settings", tuple(settings))(**settings), _named(type(model), "Sides", tuple(sides))(**sides),
+    )
+    return layout
 
 
 def take_turns(model: Model, world: World) -> None:
     """One step: a turn for every row."""
     kind: Any = type(model)
-    names = ("x", "y", *(["kind"] if model.kinds else []), *model.columns)
+    layout = _layout_of(model, world)
     found = _neighbors_of(model, world)
-    room = np.zeros((int(found.counts.max(initial=0)), 2))
-    now = _named(kind, "Now", names)(*(world[name].copy() for name in names))
+    filled = {name: _filled(world, name, kinds) for name, kinds in layout.own.items()}
+    now = layout.now(*(filled[name] if name in filled else world[name].copy() for name in layout.now._fields))
+    after = [values.copy() for values in filled.values()]
     dead = np.zeros(len(world), dtype=np.bool_)
     moves = np.zeros((len(world), 2))
-    after = [world[name] for name in model.columns]
-    then = _named(kind, "Next", (*model.columns, *reserved_columns))(*after, moves[:, 0], moves[:, 1], dead)
-    settings = {key: value for key, value in model.settings.items() if isinstance(value, (bool, int, float))}
+    then = layout.next(*(world[name] for name in layout.common), *after, moves[:, 0], moves[:, 1], dead)
     events = np.zeros(len(model.events), dtype=np.int64)
-    box = world.box
-    # A compiled turn reads fields alone, no properties.
-    fields = ("width", "height", "periodic_x", "periodic_y")
-    sides = _named(kind, "Sides", fields)(box.width, box.height, box.periodic_x, box.periodic_y)
-    rows = world._rows_in_all(model.awake(world) if hasattr(model, "awake") else None)
-    take = _compiled(kind.turn)
-    take(
-        rows, found.indptr, found.indices, room, sides, now, then,
-        _named(kind, "Settings", tuple(settings))(**settings), world.uniform(getattr(model, "random_numbers", 1), rows=rows), events,
-    )
-    for event, times in zip(model.events, events):
-        world.count(event, int(times))
+    each = getattr(model, "random_numbers", 1)
+    if hasattr(model, "awake"):
+        rows = world._rows_in_all(model.awake(world))
+        random = world.uniform(each, rows=rows)
+    else:
+        rows, random = np.arange(len(world), dtype=np.uint64), world.uniform(each)
+    _compiled(kind.turn)(rows, found.indptr, found.indices, layout.sides, now, then, layout.settings, random, events)
+    for (name, kinds), values in zip(layout.own.items(), after):
+        _put_back(world, name, kinds, values)
+    for event, times in zip(model.events, events.tolist()):
+        world.count(event, times)
     world.remove(dead)
     bounces = world.move(moves)
     if hasattr(model, "finish"):
         model.finish(world, bounces)
+
+
+def _filled(world: World, name: str, kinds: Sequence[str]) -> NDArray[Any]:
+    """A column of some kinds with a value for every agent, 0 for the others."""
+    parts = [getattr(world, kind) for kind in kinds]
+    filled = np.zeros(len(world), dtype=parts[0][name].dtype)
+    for part in parts:
+        filled[slice(*part._rows)] = part[name]
+    return filled
+
+
+def _put_back(world: World, name: str, kinds: Sequence[str], values: NDArray[Any]) -> None:
+    """Writes such a column back. Errors: Error where a turn has written it for another kind."""
+    for kind in kinds:
+        part = getattr(world, kind)
+        own = values[slice(*part._rows)]
+        part[name][...] = own
+        own[...] = 0
+    if values.any():
+        raise Error(f"a turn has written {name} for the agent of row {int(values.nonzero()[0][0])}, whose kind does not have it\n"
+                    f"  hint: {name} is a column of {', '.join(kinds)} alone: ask for now.kind[row]")
 
 
 def _names_neighbors(model: type[Model]) -> bool:
@@ -186,10 +237,13 @@ def _compiled(turn: Callable[..., None]) -> Callable[..., None]:
 
 
 def _all_turns(turn: Callable[..., None]) -> Callable[..., None]:
-    # No more arrays than one: `room` is large enough for the separations of every agent.
     def take(
-        rows: Any, ends: Sequence[int], indices: Any, room: Any, box: Any, now: Any, then: Any, settings: Any, random: Any, events: Any
+        rows: Any, ends: Any, indices: Any, box: Any, now: Any, then: Any, settings: Any, random: Any, events: Any
     ) -> None:
+        most = 0
+        for row in rows:
+            most = max(most, ends[row + 1] - ends[row])
+        room = np.zeros((int(most), 2))  # for the separations of any agent
         for turn_of_step, row in enumerate(rows):
             neighbors = indices[ends[row] : ends[row + 1]]
             separations = room[: len(neighbors)]

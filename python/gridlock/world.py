@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
@@ -133,15 +134,16 @@ class Start(_SeenByModel):
 
         Those of an agent are a function of the seed, its number and the purpose; 0 is that of :meth:`anywhere`.
         """
-        return _numbers(self._core, self._newcomers(count), size, purpose, False)
+        return _numbers(self._core.numbers_from, self._newcomers(count), size, purpose, False)
 
     def normal(self, count: int, size: int | None = None, *, purpose: int = 1) -> NDArray[np.float64]:
         """The same with mean 0 and variance 1."""
-        return _numbers(self._core, self._newcomers(count), size, purpose, True)
+        return _numbers(self._core.numbers_from, self._newcomers(count), size, purpose, True)
 
-    def _newcomers(self, count: int) -> NDArray[np.uint64]:
-        """The numbers of new agents; those of two kinds are never the same."""
-        return np.arange(_whole("count", count), dtype=np.uint64) + np.uint64((self._kind or 0) << 32)
+    def _newcomers(self, count: int) -> tuple[int, int]:
+        """The numbers of new agents, from the first to before the end; those of two kinds are never the same."""
+        first = (self._kind or 0) << 32
+        return first, first + _whole("count", count)
 
     def add(self, **columns: ArrayLike) -> NDArray[np.int64]:
         """Adds agents: a number or an array for x, y (or ``positions``) and every other column; columns left out are 0.
@@ -178,17 +180,11 @@ class World(_SeenByModel, FieldsOfWorld):
     move, find, add and remove sheep. ``world.friends`` of a model with a network friends is a :class:`WorldNetwork`.
     """
 
-    _arrays: dict[str, NDArray[Any]]
-    _parts: dict[str, World]
     _is_read_only: bool
 
     def __init__(self, core: ModelWorld, model: Model, *, is_read_only: bool = False, kind: int | None = None) -> None:
-        object.__setattr__(self, "_core", core)
-        object.__setattr__(self, "_model", model)
-        object.__setattr__(self, "_kind", kind)
-        object.__setattr__(self, "_arrays", {})
-        object.__setattr__(self, "_parts", {})
-        object.__setattr__(self, "_is_read_only", is_read_only)
+        # Attributes are found here without a call of __getattr__: columns, fields and kinds are added when they are first asked for.
+        vars(self).update(_core=core, _model=model, _kind=kind, _is_read_only=is_read_only)
 
     @property
     def clock(self) -> Clock:
@@ -198,20 +194,24 @@ class World(_SeenByModel, FieldsOfWorld):
     def time_step(self) -> float:
         return float(self._model.time_step)
 
-    @property
+    @cached_property
     def ids(self) -> NDArray[np.uint64]:
         """The Id of each row, shape (N,)."""
-        return self._array("ids", lambda: self._own(self._core.ids()))
+        return self._shown(self._own(self._core.ids()))
 
-    @property
+    @cached_property
     def positions(self) -> NDArray[np.float64]:
         """x and y, shape (N, 2). They stay inside the box; :meth:`move` sees to that."""
-        return self._array("positions", lambda: self._own(self._core.positions()))
+        return self._shown(self._own(self._core.positions()))
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if name in self._model.fields:
-            return self._array(name, lambda: self._core.field(name))
-        return self._array(name, lambda: self._own(self._core.column(name), name))
+        known = vars(self).get(name)
+        if isinstance(known, np.ndarray):
+            return known
+        values: Any = self._core.field(name) if name in self._model.fields else self._own(self._core.column(name), name)
+        array = self._shown(values)
+        vars(self)[name] = array
+        return array
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
         self._require_writable(f"change {name}")
@@ -219,9 +219,9 @@ class World(_SeenByModel, FieldsOfWorld):
 
     def __getattr__(self, name: str) -> Any:
         if name in self._model.kinds and self._kind is None:
-            if name not in self._parts:
-                self._parts[name] = World(self._core, self._model, is_read_only=self._is_read_only, kind=number_of(self._model, name))
-            return self._parts[name]
+            part = World(self._core, self._model, is_read_only=self._is_read_only, kind=number_of(self._model, name))
+            vars(self)[name] = part
+            return part
         if not name.startswith("_") and name in self._model.networks and self._kind is None:
             return self._network(name)
         if name.startswith("_") or not self._has(name):
@@ -277,11 +277,24 @@ class World(_SeenByModel, FieldsOfWorld):
 
         :param rows: a mask, or the rows, of those that need numbers; the others draw none.
         """
-        return _numbers(self._core, self._rows_in_all(rows), size, purpose, False)
+        return self._numbers(rows, size, purpose, False)
 
     def normal(self, size: int | None = None, *, purpose: int = 0, rows: ArrayLike | None = None) -> NDArray[np.float64]:
         """The same with mean 0 and variance 1."""
-        return _numbers(self._core, self._rows_in_all(rows), size, purpose, True)
+        return self._numbers(rows, size, purpose, True)
+
+    def random_order(self, *, purpose: int = 0) -> NDArray[np.int64]:
+        """The rows in a random order, for agents that act one after the other, shape (N,): that of ``uniform(purpose=purpose)``.
+
+        Cost: about 60 ns an agent.
+        """
+        order: Any = self._core.random_order(self._rows, _whole("purpose", purpose))
+        return order  # type: ignore[no-any-return]
+
+    def _numbers(self, rows: ArrayLike | None, size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:
+        if rows is None:
+            return _numbers(self._core.numbers_from, self._rows, size, purpose, is_normal)
+        return _numbers(self._core.numbers, self._rows_in_all(rows), size, purpose, is_normal)
 
     def uniform_of_step(self, count: int) -> NDArray[np.float64]:
         """Random numbers in [0, 1) of the whole model, a function of the seed and the step, shape (count,)."""
@@ -366,18 +379,16 @@ class World(_SeenByModel, FieldsOfWorld):
             raise Error("whole numbers are rows, and some of these are there twice\n  hint: is it a mask? remove(world.dead == 1)")
         self._core.remove(self._rows_in_all(rows, "the rows to remove are"))
 
-    def _rows_in_all(self, rows: ArrayLike | None, what: str = "the rows are") -> NDArray[np.uint64]:
+    def _rows_in_all(self, rows: ArrayLike, what: str = "the rows are") -> NDArray[np.uint64]:
         """Rows of this world, given by a mask or by numbers, among those of all agents."""
         first, end = self._rows
-        if rows is None:
-            return np.arange(first, end, dtype=np.uint64)
         refuse_masked(rows, what)
         array = np.asarray(rows)
         if array.dtype == np.bool_:
-            if array.shape != (len(self),):
-                raise Error(f"the mask has shape {array.shape}\n  hint: use one of shape ({len(self)},)")
-            array = np.flatnonzero(array)
-        if array.ndim != 1 or (array.size and not np.issubdtype(array.dtype, np.integer)) or np.any(array < 0):
+            if array.shape != (end - first,):
+                raise Error(f"the mask has shape {array.shape}\n  hint: use one of shape ({end - first},)")
+            return (array.nonzero()[0] + first).astype(np.uint64)
+        if array.ndim != 1 or (array.size and (array.dtype.kind not in "iu" or array.min() < 0)):
             raise Error("agents are chosen by a mask or by rows\n  hint: use an array of True and False, or of whole numbers from 0 on")
         if self._kind is not None and np.any(array >= len(self)):
             raise Error(f"there is no agent in row {array.max()} among {len(self)}\n  hint: rows are those of the arrays in this step")
@@ -429,19 +440,18 @@ class World(_SeenByModel, FieldsOfWorld):
         if self._is_read_only:
             raise Error(f"an observation cannot {what}\n  hint: do it in step()")
 
-    def _array(self, name: str, make: Any) -> NDArray[Any]:
-        if name not in self._arrays:
-            self._arrays[name] = make()
-            if self._is_read_only:
-                self._arrays[name].flags.writeable = False
-        return self._arrays[name]
+    def _shown(self, array: NDArray[Any]) -> NDArray[Any]:
+        if self._is_read_only:
+            array.flags.writeable = False
+        return array
 
     def _close(self) -> None:
-        for array in self._arrays.values():
-            array.flags.writeable = False
-        self._arrays.clear()
-        for part in self._parts.values():
-            part._close()
+        for name, value in list(vars(self).items()):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+                del vars(self)[name]
+            elif isinstance(value, World):
+                value._close()
 
 
 def _world(name: str, value: Any) -> World:
@@ -467,10 +477,9 @@ def _whole(what: str, number: Any) -> int:
     return as_count(number, what, "use a whole number from 0 to 2147483647", least=0)
 
 
-def _numbers(core: ModelWorld, rows: NDArray[np.uint64], size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:
-    found: Any = core.numbers(rows, 1 if size is None else _whole("size", size), _whole("purpose", purpose), is_normal)
-    numbers: NDArray[np.float64] = found[:, 0] if size is None else found
-    return numbers
+def _numbers(drawn: Any, rows: Any, size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:
+    found: NDArray[np.float64] = drawn(rows, 1 if size is None else _whole("size", size), _whole("purpose", purpose), is_normal)
+    return found[:, 0] if size is None else found
 
 
 def _new_agents(model: Model, kind: int | None, columns: Mapping[str, ArrayLike]) -> list[object]:
@@ -482,29 +491,33 @@ def _new_agents(model: Model, kind: int | None, columns: Mapping[str, ArrayLike]
     if "positions" in given:
         places = as_numbers(given.pop("positions"), "the positions of new agents", (None, 2), "use an array of shape (agents, 2)", finite=False)
         given["x"], given["y"] = places[:, 0], places[:, 1]
-    types = {"x": np.dtype(np.float64), "y": np.dtype(np.float64), **{name: np.dtype(found) for name, found in model.columns.items()}}
-    if kind is not None:
-        types.update(own_columns_of(model, kind))
+    types = {"x": "float64", "y": "float64"}
+    for name, column in model._columns.items():
+        if (not column.kinds or kind in column.kinds) and not (model.kinds and name == COLUMN):
+            types[name] = column.type
     for name in given:
         if name not in types:
             raise Error(f"new agents have a column {name!r}\n  hint: the model has {', '.join(types)}")
     if "x" not in given or "y" not in given:
         raise Error("new agents have no place\n  hint: give x and y, or positions")
-    values = {name: as_column(given[name], name, kind) for name, kind in types.items() if name in given}
+    values = {name: as_column(array, name, types[name]) for name, array in given.items()}
     for name, array in values.items():
         if name not in ("x", "y") and array.dtype.kind == "f" and not np.isfinite(array).all():
             place = int(np.argmin(np.isfinite(array).ravel()))
             raise Error(f"column {name}: agent {place} of the new ones has the value {array.ravel()[place]}\n"
                         "  hint: use finite numbers; mark what is not known by one such as -1")
-    lengths = {name: array.shape for name, array in values.items() if array.ndim > 0}
-    shape = next((found for found in lengths.values() if found != (1,)), (1,))
-    for name, found in lengths.items():
-        if len(found) != 1 or found not in (shape, (1,)):
-            raise Error(f"column {name}: the values of new agents have shape {found}\n"
+    shape = next((array.shape for array in values.values() if array.shape not in ((), (1,))), (1,))
+    for name, array in values.items():
+        if array.ndim > 1 or array.shape not in (shape, (1,), ()):
+            raise Error(f"column {name}: the values of new agents have shape {array.shape}\n"
                         f"  hint: use a number or an array of shape {shape if len(shape) == 1 else '(agents,)'} for each column")
     if kind is not None:
         values[COLUMN] = np.asarray(kind, dtype=np.uint32)
     return [
-        np.ascontiguousarray(np.broadcast_to(values[name], shape)) if name in values else np.zeros(shape if name in types else 0, dtype=found)
+        _repeated(values[name], shape) if name in values else np.zeros(shape if name in types else 0, dtype=found)
         for name, found in [("x", "float64"), ("y", "float64"), *((name, column.type) for name, column in model._columns.items())]
     ]
+
+
+def _repeated(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    return np.ascontiguousarray(values) if values.shape == shape else np.full(shape, values)

@@ -114,30 +114,6 @@ nb::object ModelWorld::ids() {
   return lender_.ids(world_.agents.ids());
 }
 
-nb::object ModelWorld::numbers(RowNumbers const& rows, std::size_t each, std::uint64_t purpose, bool is_normal) const {
-  require_open();
-  std::size_t const count = rows.shape(0);
-  UninitializedArray<double> numbers(count * each);
-  double* next = numbers.data();
-  for (std::size_t k = 0; k < count; ++k) {
-    if (phase_ != Phase::start) require_rows({rows(k), rows(k) + 1});
-    // At the start the step is 0, so the purpose takes its position in the random stream.
-    RandomStream stream = phase_ == Phase::start ? RandomStream(world_.seed, purpose, rows(k), Purpose::model_start)
-                                                 : RandomStream(world_.seed, world_.clock.step,
-                                                                world_.agents.ids()[rows(k)], purpose_of_turn(purpose));
-    for (std::size_t n = 0; n < each; ++n) *next++ = is_normal ? stream.normal() : stream.uniform();
-  }
-  return nb::cast(owned_array(std::move(numbers), {count, each}));
-}
-
-nb::object ModelWorld::numbers_of_step(std::size_t count) const {
-  require_open();
-  RandomStream stream(world_.seed, world_.clock.step, 0, Purpose::model_step);
-  std::vector<double> numbers(count);
-  std::ranges::generate(numbers, [&] { return stream.uniform(); });
-  return nb::cast(owned_array(std::move(numbers)));
-}
-
 template <class Search, class ToPython>
 nb::object ModelWorld::find(SearchOfRows const& rows, Search search, ToPython to_python) const {
   struct Counted {
@@ -423,6 +399,9 @@ void bind_model_world(nb::module_& module) {
       .def("take", &ModelWorld::take, nb::arg("name"), nb::arg("amounts"))
       .def("spread", &ModelWorld::spread, nb::arg("name"), nb::arg("diffusion"), nb::arg("decay"), nb::arg("time"))
       .def("numbers", &ModelWorld::numbers, nb::arg("rows"), nb::arg("each"), nb::arg("purpose"), nb::arg("is_normal"))
+      .def("numbers_from", &ModelWorld::numbers_from, nb::arg("rows"), nb::arg("each"), nb::arg("purpose"),
+           nb::arg("is_normal"))
+      .def("random_order", &ModelWorld::random_order, nb::arg("rows"), nb::arg("purpose"))
       .def("numbers_of_step", &ModelWorld::numbers_of_step, nb::arg("count"))
       .def("neighbor_lists", &ModelWorld::neighbor_lists, nb::arg("cutoff"), nb::arg("seeking"), nb::arg("among"))
       .def("pairs", &ModelWorld::pairs, nb::arg("cutoff"), nb::arg("among"))

@@ -15,6 +15,7 @@
 #include "field_copies.hpp"
 #include "gridlock/core/field.hpp"
 #include "gridlock/core/network.hpp"
+#include "gridlock/core/random.hpp"
 #include "gridlock/core/world.hpp"
 #include "kept_searches.hpp"
 #include "model.hpp"
@@ -74,9 +75,14 @@ class ModelWorld {
   void spread(std::string const& name, double diffusion, double decay, double time);
 
   using RowNumbers = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+  using RowsFromTo = std::pair<std::size_t, std::size_t>;
   /// Returns `each` random numbers for each of some rows, of shape (rows, each); in the start for new agents with these
   /// numbers.
   nb::object numbers(RowNumbers const& rows, std::size_t each, std::uint64_t purpose, bool is_normal) const;
+  /// Returns the same for all rows from the first to before the end.
+  nb::object numbers_from(RowsFromTo rows, std::size_t each, std::uint64_t purpose, bool is_normal) const;
+  /// Returns the rows, counted from the first, in the order of a uniform number for each.
+  nb::object random_order(RowsFromTo rows, std::uint64_t purpose) const;
   /// Rows at both ends of each edge. Rows beyond those of the agents are newborn ones, in the order of add().
   using Rows = nb::ndarray<std::uint64_t const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
   /// Returns the rows at both ends of each edge of a network, shape (edges, 2), and the weights.
@@ -98,7 +104,6 @@ class ModelWorld {
   /// Returns random numbers for the whole model in this step.
   nb::object numbers_of_step(std::size_t count) const;
 
-  using RowsFromTo = std::pair<std::size_t, std::size_t>;
   /// Returns the neighbours of the agents in some rows among those in others, both counted from their first rows.
   nb::object neighbor_lists(double cutoff, RowsFromTo seeking, RowsFromTo among) const;
   nb::object pairs(double cutoff, RowsFromTo among) const;
@@ -143,6 +148,10 @@ class ModelWorld {
   /// Keeps a copy of what a column was, before the step changes it.
   void keep_before(std::string_view column);
   void require_rows(RowsFromTo rows) const;
+  /// Returns the random numbers of a row in this step, in the start those of a new agent with this number.
+  [[nodiscard]] RandomStream stream_of(std::uint64_t row, std::uint64_t purpose) const;
+  template <class RowAt>
+  nb::object draw(std::size_t rows, RowAt row_at, std::size_t each, std::uint64_t purpose, bool is_normal) const;
   void require_displacements(Displacements const& displacements, std::size_t first) const;
   [[nodiscard]] std::vector<std::uint32_t> order_of_turns(RowsFromTo rows, bool is_shuffled) const;
   [[nodiscard]] Field& find_field(std::string const& name) const;

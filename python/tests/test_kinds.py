@@ -222,31 +222,44 @@ def test_what_kinds_cannot_do_is_refused(step, message):
 
 
 @pytest.mark.filterwarnings("ignore:turns are slow without Numba")
-def test_turns_see_the_kind_of_an_agent_and_refuse_columns_of_one_kind(monkeypatch):
+def test_turns_see_the_kind_of_an_agent_and_write_columns_of_its_kind_alone(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)  # which needs seconds to compile
 
     class Turns(gridlock.Model):
         name = "test_kinds_in_turns"
         columns = {"seen": np.uint32}
-        kinds = {"wolf": {}, "sheep": {}}
+        kinds = {"wolf": {"hunger": float}, "sheep": {"wool": np.int32}, "dog": {"hunger": float}}
         cutoff = 0.1
+        shears = gridlock.Setting(False)
 
         def start(self, start):
             start.sheep.add(positions=start.sheep.anywhere(40))
-            start.wolf.add(positions=start.wolf.anywhere(10))
+            start.wolf.add(positions=start.wolf.anywhere(10), hunger=np.arange(10))
+            start.dog.add(positions=start.dog.anywhere(5), hunger=-1)
 
         @staticmethod
         def turn(row, neighbors, separations, now, next, settings, random, events):
             for k in neighbors:
                 next.seen[row] += now.kind[k]
+                if now.kind[row] == 1 and now.kind[k] != 1:
+                    next.wool[row] += now.hunger[k]
+            if now.kind[row] != 1:
+                next.hunger[row] = 100 + now.hunger[row]
+            elif settings.shears:
+                next.hunger[row] = 1
 
     simulation = gridlock.Simulation(model=Turns, box=OBLONG)
     simulation.run(steps=1)
     frame = simulation.frame
     near = gridlock.neighbors(frame.positions, 0.1, frame.box)
-    assert np.array_equal(frame.seen, near.sum(frame.kind == 1)) and frame.seen.sum() > 20
-    Turns.kinds = {"wolf": {"hunger": float}, "sheep": {}}
-    with pytest.raises(gridlock.Error, match="has turns, and columns of some kinds"):
+    assert np.array_equal(frame.seen, near.sum(frame.kind)) and frame.seen.sum() > 20
+    hunger = np.where(frame.kind == 0, frame.hunger - 100, np.where(frame.kind == 2, -1, 0))
+    assert np.array_equal(frame.of_kind("sheep").wool, near.sum(hunger)[frame.kind == 1]) and frame.wool.sum() > 5
+    assert sorted(frame.of_kind("wolf").hunger) == list(range(100, 110)) and (frame.of_kind("dog").hunger == 99).all()
+    with pytest.raises(gridlock.RunFailure, match="a turn has written hunger for the agent of row 10, whose kind does not have it"):
+        gridlock.Simulation(model=Turns(shears=True), box=OBLONG).run(steps=1)
+    Turns.kinds = {"wolf": {"dx": float}, "sheep": {}}
+    with pytest.raises(gridlock.Error, match="has a column dx, a name of turns"):
         gridlock.register_model(Turns)
 
 

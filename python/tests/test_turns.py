@@ -12,10 +12,11 @@ from gridlock import turns
 
 @gridlock.register_model
 class Contagion(gridlock.Model):
-    """A disease among walkers, agent by agent."""
+    """A disease among walkers and their dogs, agent by agent."""
 
     name = "test_contagion"
     columns = {"health": np.uint32}
+    kinds = {"walker": {"days_ill": np.uint32}, "dog": {}}
     events = ("infections", "deaths")
     count = gridlock.Setting(300)
     cutoff = gridlock.Setting(0.05)
@@ -23,7 +24,8 @@ class Contagion(gridlock.Model):
     random_numbers = 4
 
     def start(self, start):
-        start.add(positions=start.anywhere(self.count), health=np.arange(self.count) < 10)
+        start.walker.add(positions=start.walker.anywhere(self.count - 20), health=np.arange(self.count - 20) < 10)
+        start.dog.add(positions=start.dog.anywhere(20))
 
     @staticmethod
     def turn(row, neighbors, separations, now, next, settings, random, events):
@@ -35,6 +37,8 @@ class Contagion(gridlock.Model):
                 break
         next.dx[row] = 0.02 * (random[1] - 0.5)
         next.dy[row] = 0.02 * (random[2] - 0.5)
+        if now.health[row] == 1 and now.kind[row] == 0:
+            next.days_ill[row] = now.days_ill[row] + 1
         if now.health[row] == 1 and random[3] < 0.01:
             next.dies[row] = True
             events[1] += 1
@@ -51,7 +55,18 @@ def test_turns_give_the_same_bits_with_numba_and_without(monkeypatch):
     assert compiled.state_hash == plain.state_hash and compiled.counts == plain.counts
     sick = int((plain.agents.health == 1).sum())
     assert plain.counts["infections"] == sick - 10 + plain.counts["deaths"] and plain.counts["deaths"] > 0
+    assert plain.agents.days_ill.max() == 40 and len(plain.agents.days_ill) == (plain.agents.kind == 0).sum()
     assert len(plain.agents) == 300 - plain.counts["deaths"]
+
+
+def test_turns_see_a_setting_that_has_changed(monkeypatch):
+    monkeypatch.setattr(turns, "_compiled", turns._all_turns)
+    simulation = gridlock.Simulation({"model.kind": "test_contagion", "box": OBLONG, "run.seed": 3})
+    simulation.run(steps=5)
+    before = simulation.counts["infections"]
+    simulation.change(test_contagion={"chance": 0.0})
+    simulation.run(steps=20)
+    assert simulation.counts["infections"] == before > 0
 
 
 def test_turns_that_cannot_be_are_refused():

@@ -54,21 +54,19 @@ class Boids(gridlock.Model):
     def step(self, world: gridlock.World) -> None:
         # While the others move, none comes from farther away than its speed.
         near = world.neighbors(self.radius + self.speed)
-        x, y, u, v = (world[name].copy() for name in ("x", "y", "heading_x", "heading_y"))
+        box, moves = world.box, np.empty((len(world), 2))
         factors = (self.cohesion_factor, self.separation_factor, self.alignment_factor)
-        order = np.argsort(world.uniform(), kind="stable")
-        _fly(order, near.indptr.astype(np.int64), near.indices, x, y, u, v, world.box.width, world.box.height, self.radius, self.speed, self.separation,
-             *factors)
-        world.move(self.speed * np.stack([u, v], axis=1))
-        world.heading_x, world.heading_y = u, v
+        _fly(world.random_order(), near.indptr.view(np.int64), near.indices, world.x.copy(), world.y.copy(), world.heading_x, world.heading_y,
+             moves.ravel(), box.width, box.height, self.radius, self.speed, self.separation, *factors)
+        world.move(moves)
 
     def observe(self, world: gridlock.World) -> Mapping[str, float]:
         return {"order": math.hypot(world.heading_x.mean(), world.heading_y.mean())}
 
 
 @compiled
-def _fly(order: Any, begins: Any, near: Any, x: Any, y: Any, u: Any, v: Any, width: float, height: float, radius: float, speed: float,
-         separation: float, cohere: float, separate: float, align: float) -> None:
+def _fly(order: Any, begins: Any, near: Any, x: Any, y: Any, u: Any, v: Any, moves: Any, width: float, height: float, radius: float,
+         speed: float, separation: float, cohere: float, separate: float, align: float) -> None:
     for row in order:
         together_x = together_y = apart_x = apart_y = along_x = along_y = 0.0
         neighbors = 0
@@ -91,5 +89,6 @@ def _fly(order: Any, begins: Any, near: Any, x: Any, y: Any, u: Any, v: Any, wid
         length = math.sqrt(to_x * to_x + to_y * to_y)
         if length > 0:
             u[row], v[row] = to_x / length, to_y / length
-        x[row] = (x[row] + speed * u[row]) % width
-        y[row] = (y[row] + speed * v[row]) % height
+        moves[2 * row], moves[2 * row + 1] = speed * u[row], speed * v[row]
+        x[row] = (x[row] + moves[2 * row]) % width
+        y[row] = (y[row] + moves[2 * row + 1]) % height

@@ -55,14 +55,10 @@ class Schelling(gridlock.Model):
         start.add(positions=_centres(homes, start.homes, start.box), group=group)
 
     def step(self, world: gridlock.World) -> None:
-        rows, columns = world.cells("homes")
-        height, width = world.homes.shape
-        homes = world.homes.ravel()
-        place = rows * width + columns
-        order = np.argsort(world.uniform(), kind="stable")
-        moves = _move(order, world.uniform(purpose=1), place, np.flatnonzero(homes == 0), homes, height, width, self.radius, self.wanted)
-        world.homes[...] = homes.reshape(height, width)
-        world.positions[...] = _centres(place, world.homes, world.box)
+        homes, box = world.homes.reshape(-1), world.box
+        rows, columns = world.homes.shape
+        moves = _move(world.random_order(), world.uniform(purpose=1), world.x, world.y, np.flatnonzero(homes == 0), homes, rows, columns,
+                      box.height / rows, box.width / columns, box.height, box.width, self.radius, self.wanted)
         world.count("moves", moves)
 
     def observe(self, world: gridlock.World) -> Mapping[str, float]:
@@ -76,22 +72,24 @@ class Schelling(gridlock.Model):
 
 
 @compiled
-def _move(order: Any, random: Any, place: Any, vacant: Any, homes: Any, height: int, width: int, radius: int, wanted: int) -> int:
+def _move(order: Any, random: Any, x: Any, y: Any, vacant: Any, homes: Any, rows: int, columns: int, high: float, wide: float,
+          height: float, width: float, radius: int, wanted: int) -> int:
     """Lets all take their turn; returns how many have moved."""
     moves = 0
     for agent in order:
-        here = place[agent]
-        row, column = here // width, here % width
+        row, column = int(y[agent] / height * rows), int(x[agent] / width * columns)
+        here = row * columns + column
         like = -1
-        for across in range(max(row - radius, 0), min(row + radius + 1, height)):
-            for along in range(max(column - radius, 0), min(column + radius + 1, width)):
-                if homes[across * width + along] == homes[here]:
+        for across in range(max(row - radius, 0), min(row + radius + 1, rows)):
+            for along in range(max(column - radius, 0), min(column + radius + 1, columns)):
+                if homes[across * columns + along] == homes[here]:
                     like += 1
         if like >= wanted or len(vacant) == 0:
             continue
         chosen = int(random[agent] * len(vacant))
         there = vacant[chosen]
-        place[agent], vacant[chosen] = there, here
+        vacant[chosen] = here
+        x[agent], y[agent] = (there % columns + 0.5) * wide, (there // columns + 0.5) * high
         homes[there], homes[here] = homes[here], 0.0
         moves += 1
     return moves

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import gridlock
 from gridlock.turns import compiled
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 SHEEP, WOLF = range(2)
-_hops = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)], dtype=float)
+LAMB, PUP = 1, 2
 
 
 @gridlock.register_model
@@ -63,48 +60,21 @@ class WolfSheep(gridlock.Model):
         start.bare = np.where(grass[:, 0] < 0.5, 0.0, 1 + np.floor(grass[:, 1] * self.regrowth)).reshape(rows, columns)
 
     def step(self, world: gridlock.World) -> None:
+        random, box = world.uniform(5).ravel(), world.box
         rows, columns = world.bare.shape
-        random = world.uniform(5)
-        world.move(_hops[(8 * random[:, 0]).astype(np.int64)] * [world.box.width / columns, world.box.height / rows])
-        world.energy -= 1
-        cell = np.ravel_multi_index(world.cells("bare"), world.bare.shape)
-        sheep, wolves = (np.flatnonzero(world.kind == kind) for kind in (SHEEP, WOLF))
-
-        first = sheep[_turns(cell[sheep], random[sheep, 1]) == 0]
-        fed = first[world.bare.flat[cell[first]] == 0]
-        world.energy[fed] += self.sheep_gain
-        world.bare.flat[cell[fed]] = self.regrowth
-        sheep, mothers = self._live(world, sheep, random[:, 2], self.sheep_birth, "starved_sheep")
-
-        # Lambs of this step may be eaten, as those that are older.
-        prey = np.concatenate([sheep, mothers])
-        fates = np.concatenate([random[sheep, 3], random[mothers, 4]])
-        hunters, hunted = (np.bincount(cell[rows_of], minlength=rows * columns) for rows_of in (wolves, prey))
-        is_eaten = _turns(cell[prey], fates) < hunters[cell[prey]]
-        world.remove(sheep[is_eaten[: len(sheep)]])
-        lambs = mothers[~is_eaten[len(sheep) :]]
-        fed_wolves = wolves[_turns(cell[wolves], random[wolves, 1]) < hunted[cell[wolves]]]
-        world.energy[fed_wolves] += self.wolf_gain
-        wolves, she_wolves = self._live(world, wolves, random[:, 2], self.wolf_birth, "starved_wolves")
-
-        for parents, kind in ((lambs, SHEEP), (she_wolves, WOLF)):
-            world.add(positions=world.positions[parents], kind=kind, energy=world.energy[parents])
-        np.maximum(world.bare - 1, 0, out=world.bare)
-        counts: dict[str, Any] = {"meals_of_sheep": fed, "meals_of_wolves": fed_wolves, "lambs": mothers, "pups": she_wolves}
-        for event, who in counts.items():
-            world.count(event, len(who))
-
-    def _live(
-        self, world: gridlock.World, rows: NDArray[np.int64], random: NDArray[np.float64], birth: float, event: str
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Those of some rows who live on, and those of them who share their energy with their young."""
-        starves = world.energy[rows] < 0
-        world.remove(rows[starves])
-        world.count(event, int(starves.sum()))
-        rows = rows[~starves]
-        parents = rows[random[rows] < birth]
-        world.energy[parents] /= 2
-        return rows, parents
+        moves = np.empty((len(world), 2))
+        _hop(random, moves.ravel(), box.width / columns, box.height / rows)
+        world.move(moves)
+        dies, young = np.zeros(len(world), dtype=np.bool_), np.zeros(len(world), dtype=np.int64)
+        times = _live(
+            world.kind, world.energy, world.x, world.y, random, world.bare.reshape(-1), dies, young, rows, columns, box.height, box.width,
+            self.regrowth, self.sheep_gain, self.wolf_gain, self.sheep_birth, self.wolf_birth,
+        )
+        world.remove(dies)
+        parents = np.concatenate([np.flatnonzero(young == LAMB), np.flatnonzero(young == PUP)])
+        world.add(x=world.x[parents], y=world.y[parents], kind=world.kind[parents], energy=world.energy[parents])
+        for event, count in zip(self.events, times):
+            world.count(event, count)
 
     def observe(self, world: gridlock.World) -> Mapping[str, float]:
         is_sheep = world.kind == SHEEP
@@ -112,18 +82,74 @@ class WolfSheep(gridlock.Model):
         return {"sheep": sheep, "wolves": len(world) - sheep, "grass": np.mean(world.bare == 0), "energy_of_sheep": world.energy[is_sheep].sum()}
 
 
-def _turns(cells: NDArray[np.int64], random: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The place of each animal among those in its cell, in an order by random numbers: 0 for the first."""
-    places, before = np.zeros((2, len(cells)), dtype=np.int64)
-    _take_places(cells, random, np.full(int(cells.max(initial=0)) + 1, -1), before, places)
-    return places
+@compiled
+def _hop(random: Any, moves: Any, wide: float, high: float) -> None:
+    """Draws one of the 8 cells around each animal."""
+    for animal in range(len(moves) // 2):
+        cell = int(8 * random[5 * animal])
+        if cell >= 4:
+            cell += 1
+        moves[2 * animal], moves[2 * animal + 1] = (cell // 3 - 1) * wide, (cell % 3 - 1) * high
 
 
 @compiled
-def _take_places(cells: Any, random: Any, last: Any, before: Any, places: Any) -> None:
-    for animal in range(len(cells)):
-        other = before[animal] = last[cells[animal]]
-        last[cells[animal]] = animal
+def _live(kind: Any, energy: Any, x: Any, y: Any, random: Any, bare: Any, dies: Any, young: Any, rows: int, columns: int, height: float,
+          width: float, regrowth: int, sheep_gain: float, wolf_gain: float, sheep_birth: float, wolf_birth: float) -> tuple[int, ...]:
+    """Lets all animals eat, die and bear young, and the grass grow; returns how often what happened, in the order of the events."""
+    count = len(kind)
+    cell, first = [0] * count, [-1] * (rows * columns)
+    for animal in range(count):
+        energy[animal] -= 1
+        own = cell[animal] = int(y[animal] / height * rows) * columns + int(x[animal] / width * columns)
+        if kind[animal] == SHEEP and (first[own] < 0 or random[5 * animal + 1] < random[5 * first[own] + 1]):
+            first[own] = animal
+    meals_of_sheep = meals_of_wolves = lambs = pups = starved_sheep = starved_wolves = 0
+    for own in range(rows * columns):
+        if first[own] >= 0 and bare[own] == 0:
+            energy[first[own]] += sheep_gain
+            bare[own] = regrowth
+            meals_of_sheep += 1
+        bare[own] = max(bare[own] - 1, 0.0)
+    for animal in range(count):
+        if kind[animal] == SHEEP and energy[animal] < 0:
+            dies[animal] = True
+            starved_sheep += 1
+        elif kind[animal] == SHEEP and random[5 * animal + 2] < sheep_birth:
+            energy[animal] /= 2
+            young[animal] = LAMB
+            lambs += 1
+
+    # Lambs of this step may be eaten, as those that are older: that of an animal has the number of the animal plus the count. Each of them
+    # gets its place among the prey of its cell, and each wolf among the wolves, in an order by random numbers.
+    number, last = [0] * (2 * rows * columns), [-1] * (2 * rows * columns)
+    place, before, chance = [0] * (2 * count), [-1] * (2 * count), [0.0] * (2 * count)
+    for one in range(2 * count):
+        animal = one % count
+        if (dies[animal] if one < count else young[animal] != LAMB):
+            continue
+        chance[one] = random[5 * animal + (4 if one >= count else 1 if kind[animal] == WOLF else 3)]
+        group = 2 * cell[animal] + kind[animal]
+        number[group] += 1
+        other = before[one] = last[group]
+        last[group] = one
         while other >= 0:
-            places[animal if random[other] <= random[animal] else other] += 1
+            place[one if chance[other] <= chance[one] else other] += 1
             other = before[other]
+    for animal in range(count):
+        foes = number[2 * cell[animal] + 1 - kind[animal]]
+        if kind[animal] == SHEEP:
+            dies[animal] = dies[animal] or place[animal] < foes
+            if young[animal] == LAMB and place[count + animal] < foes:
+                young[animal] = 0
+            continue
+        if place[animal] < foes:
+            energy[animal] += wolf_gain
+            meals_of_wolves += 1
+        if energy[animal] < 0:
+            dies[animal] = True
+            starved_wolves += 1
+        elif random[5 * animal + 2] < wolf_birth:
+            energy[animal] /= 2
+            young[animal] = PUP
+            pups += 1
+    return meals_of_sheep, meals_of_wolves, lambs, pups, starved_sheep, starved_wolves
