@@ -100,10 +100,11 @@ def _layout_of(model: Model, world: World) -> _Layout:
     settings = {key: value for key, value in model.settings.items() if isinstance(value, (bool, int, float))}
     # A compiled turn reads values alone, no properties.
     sides = {name: getattr(world.box, name) for name in ("width", "height", "periodic_x", "periodic_y")}
+    kind: Any = type(model)
     layout = vars(model)["_layout"] = _Layout(
-        _named(type(model), "Now", ("x", "y", *([COLUMN] if kinds else []), *common, *own)),
-        _named(type(model), "Next", (*common, *own, *reserved_columns)),
-        common, own, _named(type(model), "Settings", tuple(settings))(**settings), _named(type(model), "Sides", tuple(sides))(**sides),
+        _named(kind, "Now", ("x", "y", *([COLUMN] if kinds else []), *common, *own)),
+        _named(kind, "Next", (*common, *own, *reserved_columns)),
+        common, own, _named(kind, "Settings", tuple(settings))(**settings), _named(kind, "Sides", tuple(sides))(**sides),
     )
     return layout
 
