@@ -29,7 +29,7 @@ def github():
 
 
 def put_live_figures(app, docname, source):
-    """Around the picture stands what site.js makes the buttons of, so that without JavaScript nothing is promised."""
+    """Puts around the picture what site.js makes the buttons of, so that without JavaScript nothing is promised."""
     playground = "../" * docname.count("/") + "playground/playground.html"
 
     def figure(match):
