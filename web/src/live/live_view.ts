@@ -168,7 +168,7 @@ export class LiveView {
   /** Shows the values of settings, and what has changed since the start. */
   private describe(described: LiveDescription): void {
     this.described = described;
-    if (this.wishes.size === 0) this.controls?.show(described.values);
+    if (this.wishes.size === 0 && this.sending === undefined) this.controls?.show(described.values);
     const text = ({ step, key, before, value }: SettingChange): string => `Step ${step}: ${nameOf(key)} from ${before} to ${value}`;
     this.changes.replaceChildren(...described.changes.map((change) => element("li", {}, text(change))));
     this.changes.hidden = described.changes.length === 0;
@@ -256,9 +256,9 @@ export class LiveView {
     this.colourBy(all[(all.indexOf(this.chosenColour) + 1) % all.length] as string);
   }
 
-  private toggle(): Promise<void> {
+  private async toggle(): Promise<void> {
     const isRunning = this.frame?.isRunning === true;
-    return this.guard(() => (isRunning ? this.model.pause() : this.model.run(this.transport.stepsPerSecond)));
+    await this.guard(() => (isRunning ? this.model.pause() : this.model.run(this.transport.stepsPerSecond)));
   }
 
   private async restart(): Promise<void> {
@@ -272,21 +272,27 @@ export class LiveView {
   }
 
   private async send(): Promise<void> {
+    const known = this.described;
+    let isRefused = false;
     for (let wish = [...this.wishes][0]; wish !== undefined; wish = [...this.wishes][0]) {
       const [key, value] = wish;
       this.wishes.delete(key);
-      await this.guard(() => this.model.set(key, value));
+      isRefused = !(await this.guard(() => this.model.set(key, value))) || isRefused;
     }
-    // What was refused is not shown as if it were so.
-    if (this.described !== undefined) this.controls?.show(this.described.values);
+    // What was refused is not shown as if it were so; what was accepted stays, until a description that has it comes.
+    const described = this.described;
+    if (described !== undefined && (isRefused || described !== known)) this.controls?.show(described.values);
   }
 
-  private async guard(act: () => Promise<void>): Promise<void> {
+  /** Whether it was not refused; says why it was. */
+  private async guard(act: () => Promise<void>): Promise<boolean> {
     try {
       await act();
       this.refuse("");
+      return true;
     } catch (error) {
       this.refuse(textOf(error));
+      return false;
     }
   }
 
