@@ -43,9 +43,14 @@ def setting_that_may_change(model: Model | None, key: str) -> Setting | None:
 def read_values(model: Model | None, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The values of settings by their keys, of the types that the model knows. Errors: Error for settings that need a new start."""
     from .files import settings_in
+    from .models import settings_of
 
     values = {}
+    known = [f"{model.name}.{name}" for name in settings_of(type(model))] if model is not None else []
     for key, text in assignments(settings):
+        if key not in known:
+            raise Error(f"{key} is no setting of a model in Python, and no other changes in a simulation\n"
+                        f"  hint: {'there are ' + ', '.join(known) if known else 'make a simulation with the other value'}")
         setting = setting_that_may_change(model, key)
         if setting is None:
             raise Error(f"{key} cannot change in a simulation: its start, its fields or its time step depend on it\n"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .changes import setting_that_may_change
+from .changes import latest, setting_that_may_change
 from .controls import Control, controls, description
 from .errors import Error
 
@@ -308,6 +308,7 @@ class Live:
             self._next_frame = time.monotonic() + 0.1
             return
         if len(simulation._changes) != len(self._about["changes"]):  # by its user
+            self._overrides = {**self._overrides, **latest(simulation._changes)}
             self._describe()
         ids, columns, box, step, now, fields = frame[:6]
         width, height, periodic_x, periodic_y, shift = box

@@ -458,8 +458,11 @@ def _require_possible(model: type[Model], columns: Mapping[str, ColumnOfModel], 
             raise Error(f"the {name} of {what} are {in_short(getattr(model, name))}\n  hint: name each of them: {name} = {{\"…\": …}}")
     if model.start is Model.start:
         raise Error(f"{what} has no start\n  hint: define start(self, start), which adds the first agents")
+    for name in settings:
+        if callable(getattr(Model, name, None)):
+            raise Error(f"{what} has a setting {name}, a method of models\n  hint: choose another name")
     for name, (kind, _) in columns.items():
-        if not name.isidentifier() or keyword.iskeyword(name) or name in (*_names_of_world, *_names_in_files) or hasattr(World, name):
+        if not name.isidentifier() or name.startswith("_") or keyword.iskeyword(name) or name in (*_names_of_world, *_names_in_files) or hasattr(World, name):
             raise Error(f"{what} has a column {name!r}\n  hint: choose another name")
         known = _types_of_columns.get(name, kind)
         if kind != known:

@@ -215,7 +215,7 @@ class World(_SeenByModel, FieldsOfWorld):
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
         self._require_writable(f"change {name}")
-        _put_into(self[name], name, values)
+        self._put(name, values)
 
     def __getattr__(self, name: str) -> Any:
         if name in self._model.kinds and self._kind is None:
@@ -234,6 +234,11 @@ class World(_SeenByModel, FieldsOfWorld):
         if name != "positions" and not self._has(name):
             raise self._no_column(name)
         self._require_writable(f"change {name}")
+        self._put(name, values)
+
+    def _put(self, name: str, values: ArrayLike) -> None:
+        if name == COLUMN and self._model.kinds:
+            raise Error("an agent keeps its kind\n  hint: remove it, and add one of another kind")
         _put_into(self.positions if name == "positions" else self[name], name, values)
 
     def neighbors(self, cutoff: float, *, of: World | None = None) -> Neighbors:

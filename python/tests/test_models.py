@@ -398,14 +398,14 @@ def test_changed_settings_hold_from_the_next_step_on_and_are_recorded():
 
 
 @pytest.mark.parametrize("key, value, words", [
-    ("test_walkers.count", 3, "its start, its fields or its time step"), ("run.seed", 3, "its start"), ("test_walkers.none", 3, "its start"),
+    ("test_walkers.count", 3, "its start, its fields or its time step"), ("run.seed", 3, "no setting of a model"), ("test_walkers.none", 3, "no setting of a model"),
     ("test_walkers.length", 0.5, "at most 0.4"), ("test_walkers.kind", "round", "uniform"), ("test_walkers.is_charged", True, "its start")])
 def test_settings_that_cannot_change_are_refused_and_nothing_is_changed(key, value, words):
     simulation = made()
     with pytest.raises(gridlock.Error, match=words):
         simulation.change({"test_walkers.turnover": 0.3, key: value})
     assert simulation.changes == [] and simulation._model.turnover == 0.02
-    with pytest.raises(gridlock.Error, match="its start"):
+    with pytest.raises(gridlock.Error, match="no setting of a model"):
         gridlock.Simulation(disks={"count": 4, "packing_fraction": 0.1}).change({"disks.count": 5})
 
 

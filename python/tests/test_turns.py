@@ -179,3 +179,13 @@ def test_a_compiled_loop_leaves_arrays_that_are_read_only(monkeypatch):
     money = np.array([4.0, 2.0])
     assert pass_on(order, 0.5, money) == 3.5 and money.tolist() == [2.5, 3.5]
     turns._by_numba.cache_clear()
+
+
+def test_a_compiled_loop_refuses_an_index_beyond_the_end():
+    @turns.compiled
+    def give(order, money):
+        for row in order:
+            money[row + 1] += 1.0
+
+    with pytest.raises(IndexError):
+        give(np.arange(3), np.zeros(3))
