@@ -29,7 +29,7 @@ class WolfSheep(gridlock.Model):
     ``sheep_birth`` 0.4, ``wolf_birth`` 0.2. Without wolves the flock becomes as large as its food allows: the energy eaten in a step is that
     which walking costs, ``sheep_gain`` · meals = sheep, but for what the dead take with them, less than 1 each.
 
-    Cost: about 0.4 ms a step and 0.3 µs an animal; without Numba 0.8 µs. Source: U. Wilensky (1997), ccl.northwestern.edu/netlogo/models/WolfSheepPredation.
+    Cost: about 0.2 ms a step and 0.2 µs an animal, far more without Numba. Source: U. Wilensky (1997), ccl.northwestern.edu/netlogo/models/WolfSheepPredation.
     """
 
     name = "wolf_sheep"
