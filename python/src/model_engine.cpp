@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/copy_if_finite.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/model/detail/checks.hpp"
 
@@ -27,17 +28,6 @@ constexpr std::uint64_t steps_between_sorts = 32;
 CellLayout layout_of(World<TableModel> const& world) {
   std::size_t const agents = std::bit_ceil(std::max<std::size_t>(16, world.agents.size()));
   return layout_for_cutoff(world.box, std::sqrt(world.box.area() / static_cast<double>(agents)), agents);
-}
-
-/// Returns the place of the first value that is infinite or no number, or their number.
-std::size_t find_not_finite(std::span<double const> values) {
-  constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
-  constexpr std::uint64_t lowest_bit = 0x0010'0000'0000'0000;
-  std::uint64_t bits = 0;  // the highest one is set by an exponent whose bits are all set
-  for (double const value : values) bits |= (std::bit_cast<std::uint64_t>(value) & exponent) + lowest_bit;
-  if (bits >> 63U == 0) return values.size();
-  return static_cast<std::size_t>(std::ranges::find_if_not(values, [](double v) { return std::isfinite(v); }) -
-                                  values.begin());
 }
 
 }  // namespace

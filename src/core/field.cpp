@@ -34,6 +34,15 @@ bool copy_if_finite(std::span<double const> from, std::span<double> to) {
   return bits >> 63U == 0;
 }
 
+std::size_t find_not_finite(std::span<double const> values) {
+  // Nearly always all values are finite, and this loop, unlike a search, takes registers.
+  std::uint64_t bits = 0;
+  for (double const value : values) bits |= mark_of_not_finite(value);
+  if (bits >> 63U == 0) return values.size();
+  auto const found = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
+  return static_cast<std::size_t>(found - values.begin());
+}
+
 Field::Field(std::string name, std::size_t columns, std::size_t rows, double value)
     : name_(std::move(name)), columns_(columns), rows_(rows) {
   constexpr std::size_t max_cells = std::size_t{1} << 30;
@@ -52,14 +61,7 @@ std::size_t Field::cell_of(Box const& box, Vector point) const {
   return along(point.y, box.height(), rows_) * columns_ + along(point.x, box.width(), columns_);
 }
 
-std::size_t Field::find_not_finite() const {
-  // Nearly always all values are finite, and this loop, unlike a search, takes registers.
-  std::uint64_t bits = 0;
-  for (double const value : values_) bits |= mark_of_not_finite(value);
-  if (bits >> 63U == 0) return size();
-  auto const found = std::ranges::find_if(values_, [](double value) { return !std::isfinite(value); });
-  return static_cast<std::size_t>(found - values_.begin());
-}
+std::size_t Field::find_not_finite() const { return gridlock::find_not_finite(values_); }
 
 void Field::serialize(Archive& archive) {
   std::vector<double> plain(values_.begin(), values_.end());
