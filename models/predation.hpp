@@ -91,12 +91,12 @@ struct Predation {
   }
   [[nodiscard]] Agents::Values first_agent(World<Predation> const& world, std::uint64_t number) const {
     RandomStream random = world.start_random(number);
-    Vector const cell = size_of_cell(world.box, field_of<Bare>(world));
-    double const column = static_cast<double>(random.below(field_of<Bare>(world).columns()));
-    double const row = static_cast<double>(random.below(field_of<Bare>(world).rows()));
+    Field const& bare = field_of<Bare>(world);
+    std::uint64_t const column = random.below(bare.columns());
+    Vector const p = centre_of_cell(bare, world.box, random.below(bare.rows()) * bare.columns() + column);
     Kind const kind = number < sheep ? a_sheep : a_wolf;
     double const energy = std::floor(random.uniform() * 2.0 * (kind == a_sheep ? sheep_gain : wolf_gain));
-    return {(column + 0.5) * cell.x, (row + 0.5) * cell.y, kind, energy};
+    return {p.x, p.y, kind, energy};
   }
 
   void step(MutableWorld<Predation>& meadow) const {

@@ -84,7 +84,7 @@ struct Segregation {
     RandomStream random = world.start_random(0);
     for (std::uint64_t number = 0; number < count; ++number) {
       std::swap(cells[number], cells[number + random.below(cells.size() - number)]);
-      Vector const p = centre(world.box, homes, cells[number]);
+      Vector const p = centre_of_cell(homes, world.box, cells[number]);
       std::uint32_t const group = 2 * number < count ? 0 : 1;
       homes.values()[cells[number]] = 1.0 + group;
       world.agents.add(p.x, p.y, group);
@@ -105,7 +105,7 @@ struct Segregation {
       std::uint32_t const group = city.get<Group>(id);
       if (map.near(here, group) >= wanted) continue;
       std::size_t& chosen = vacant[random.below(vacant.size())];
-      Vector const there = centre(city.box(), homes, chosen);
+      Vector const there = centre_of_cell(homes, city.box(), chosen);
       city.deposit<Homes>(city.position(id), -1.0 - group);
       city.deposit<Homes>(there, 1.0 + group);
       city.move_to(id, there);
@@ -174,11 +174,6 @@ struct Segregation {
     std::size_t width_;
     std::vector<std::uint8_t> homes_;
   };
-
-  static Vector centre(Box const& box, Field const& homes, std::size_t cell) {
-    return {(static_cast<double>(cell % homes.columns()) + 0.5) * (box.width() / static_cast<double>(homes.columns())),
-            (static_cast<double>(cell / homes.columns()) + 0.5) * (box.height() / static_cast<double>(homes.rows()))};
-  }
 };
 
 }  // namespace gridlock

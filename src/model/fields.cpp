@@ -136,6 +136,14 @@ void require_finite(Field const& field, std::uint64_t step) {
   if (cell < field.size()) require_finite_value(field, cell, field.values()[cell], step);
 }
 
+Vector centre_of_cell(Field const& field, Box const& box, std::size_t cell) {
+  auto const middle = [](std::size_t place, double side, std::size_t cells) {
+    return (static_cast<double>(place) + 0.5) * (side / static_cast<double>(cells));
+  };
+  return {middle(cell % field.columns(), box.width(), field.columns()),
+          middle(cell / field.columns(), box.height(), field.rows())};
+}
+
 std::size_t rows_of_squares(Box const& box, std::size_t columns) {
   double const rows = std::nearbyint(static_cast<double>(columns) * box.height() / box.width());
   return static_cast<std::size_t>(std::clamp(rows, 1.0, 0x1p60));

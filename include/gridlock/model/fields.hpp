@@ -98,6 +98,9 @@ struct FieldShape {
   std::size_t rows = 0;
 };
 
+/// Returns the point in the middle of a cell.
+[[nodiscard]] Vector centre_of_cell(Field const& field, Box const& box, std::size_t cell);
+
 /// Returns the rows with which cells in `columns` columns are most nearly squares; at least 1.
 std::size_t rows_of_squares(Box const& box, std::size_t columns);
 
