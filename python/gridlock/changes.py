@@ -61,6 +61,8 @@ def read_values(model: Model | None, settings: Mapping[str, Any]) -> dict[str, A
 
 def changed(model: Model, step: int, values: Mapping[str, Any]) -> list[Change]:
     """Changes a model, and says how. The values are possible ones."""
+    from .models import BOOKKEEPING
+
     found = []
     for key, value in values.items():
         setting = setting_that_may_change(model, key)
@@ -68,8 +70,8 @@ def changed(model: Model, step: int, values: Mapping[str, Any]) -> list[Change]:
         before = getattr(model, setting.key)
         model.__dict__["_values"][setting.key] = now = setting.of_its_type(value)
         found += [Change(step, key, before, now)] if now != before else []
-    # Cached properties, and the layout of turns, may depend on what has changed.
-    for name in [name for name in model.__dict__ if not name.startswith("_") or name == "_layout"]:
+    # All else that the model keeps, such as cached properties and the layout of turns, may depend on what has changed.
+    for name in model.__dict__.keys() - BOOKKEEPING:
         del model.__dict__[name]
     return found
 

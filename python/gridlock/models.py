@@ -42,6 +42,10 @@ MOST_CURVES = 6
 MOST_NUMBER = 2**64 - 1
 
 
+#: The names under which a model keeps the values of its settings, where it is noted which of them are read, and those that were.
+BOOKKEEPING = frozenset({"_values", "_read", "_read_by_world", "_read_by_start"})
+
+
 class Setting:
     """A setting of a model: a key of the table ``[name]`` of the model, with its default, unit, bounds and meaning.
 
@@ -171,7 +175,6 @@ class Model:
         for key in settings:
             if key not in known:
                 raise Error(f"the model {self.name} has no setting {key!r}\n  hint: it has {', '.join(known) or 'none'}")
-        # Beside the values: where it is noted which of them are read, and those that were.
         self.__dict__.update(_values=settings, _read=None, _read_by_world=set(), _read_by_start=set())
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -1,5 +1,6 @@
 """Turns of single agents: the same bits with Numba and without, and the same rule as a step over arrays."""
 
+import functools
 import sys
 
 import numpy as np
@@ -67,6 +68,29 @@ def test_turns_see_a_setting_that_has_changed(monkeypatch):
     simulation.change(test_contagion={"chance": 0.0})
     simulation.run(steps=20)
     assert simulation.counts["infections"] == before > 0
+
+
+def test_a_private_cached_property_sees_a_setting_that_has_changed():
+    class Growing(gridlock.Model):
+        name = "test_growing"
+        columns = {"size": float}
+        rate = gridlock.Setting(1.0)
+
+        @functools.cached_property
+        def _twice(self):
+            return 2 * self.rate
+
+        def start(self, start):
+            start.add(x=0.5, y=0.5)
+
+        def step(self, world):
+            world.size += self._twice
+
+    simulation = gridlock.Simulation(model=Growing, box=OBLONG)
+    simulation.run(steps=3)
+    simulation.change(test_growing={"rate": 5.0})
+    simulation.run(steps=1)
+    assert simulation.agents.size == [16.0]
 
 
 def test_turns_that_cannot_be_are_refused():
