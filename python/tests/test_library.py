@@ -166,8 +166,8 @@ def sugarscape_in_turns(capacity, count, vision, growback, endowment, lifespan, 
 @pytest.mark.parametrize("lifespan", [None, (3, 9)])
 def test_sugarscape_is_that_of_the_book_agent_by_agent(lifespan):
     side, count, vision, steps, endowment = 8, 24, 3, 10, (2, 6)
-    model = Sugarscape(side=side, count=count, vision=vision, least_endowment=endowment[0], endowment=endowment[1],
-                       replacement=lifespan is not None, least_lifespan=(lifespan or (1, 1))[0], lifespan=(lifespan or (1, 1))[1])
+    model = Sugarscape(side=side, count=count, vision=vision, min_endowment=endowment[0], endowment=endowment[1],
+                       replacement=lifespan is not None, min_lifespan=(lifespan or (1, 1))[0], lifespan=(lifespan or (1, 1))[1])
     ours = ends({"model": model, **PERIODIC}, ["agents", "gini"], steps=steps, seeds=30)
     capacity = model.capacity(side, side).tolist()
     theirs = np.array([sugarscape_in_turns(capacity, count, vision, 1, endowment, lifespan, steps, seed) for seed in range(20)]).T
@@ -514,7 +514,7 @@ REFUSED = {
     "more acquaintances than voters": ({"model": Voter(count=6)}, "each of 6 voters has 6 acquaintances"),
     "more agents than cells of sugar": ({"model": Sugarscape(count=2501)}, "2501 agents have 2500 cells"),
     "a view around the world": ({"model": Sugarscape(side=12)}, "agents of sugarscape see 6 cells far on 12"),
-    "ages in the wrong order": ({"model": Sugarscape(lifespan=30)}, "least_lifespan of sugarscape is 60 and lifespan 30"),
+    "ages in the wrong order": ({"model": Sugarscape(lifespan=30)}, "min_lifespan of sugarscape is 60 and lifespan 30"),
     "a density above 1": ({"model": ForestFire(density=1.5)}, "forest_fire.density"),
 }
 

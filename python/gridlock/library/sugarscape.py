@@ -49,16 +49,16 @@ class Sugarscape(gridlock.Model):
     growback = gridlock.Setting(1.0, "Sugar that grows in a step; from 4 on all grows back at once.", least=0.0)
     vision = gridlock.Setting(6, "The farthest that an agent may see; the shortest is 1.", unit="cells", least=1, most=2500)
     metabolism = gridlock.Setting(4, "The most that an agent may use up in a step; the least is 1.", least=1, most=100)
-    least_endowment = gridlock.Setting(5, "Wealth of an agent at first.", least=1, most=10**6)
+    min_endowment = gridlock.Setting(5, "Wealth of an agent at first.", least=1, most=10**6)
     endowment = gridlock.Setting(25, "The most wealth of an agent at first.", least=1, most=10**6)
     replacement = gridlock.Setting(False, "Whether agents die of age, and new ones take the place of the dead.")
-    least_lifespan = gridlock.Setting(60, "The greatest age of an agent, with replacement.", unit="steps", least=1, most=10**9)
+    min_lifespan = gridlock.Setting(60, "The greatest age of an agent, with replacement.", unit="steps", least=1, most=10**9)
     lifespan = gridlock.Setting(100, "The most that this age can be.", unit="steps", least=1, most=10**9)
 
     def check(self, box: gridlock.Box) -> None:
-        for name, least, most in (("endowment", self.least_endowment, self.endowment), ("lifespan", self.least_lifespan, self.lifespan)):
+        for name, least, most in (("endowment", self.min_endowment, self.endowment), ("lifespan", self.min_lifespan, self.lifespan)):
             if least > most:
-                raise gridlock.Error(f"least_{name} of sugarscape is {least} and {name} {most}\n  hint: the first is not above the second")
+                raise gridlock.Error(f"min_{name} of sugarscape is {least} and {name} {most}\n  hint: the first is not above the second")
         if 2 * self.vision >= min(self.side, round(self.side * box.height / box.width)):
             raise gridlock.Error(f"agents of sugarscape see {self.vision} cells far on {self.side}\n  hint: use a vision below half of the cells")
 
@@ -79,8 +79,8 @@ class Sugarscape(gridlock.Model):
 
     def _newcomers(self, random: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         """The columns of new agents, from four random numbers for each."""
-        bounds = {"metabolism": [1, self.metabolism], "vision": [1, self.vision], "wealth": [self.least_endowment, self.endowment],
-                  "lifespan": [self.least_lifespan, self.lifespan]}
+        bounds = {"metabolism": [1, self.metabolism], "vision": [1, self.vision], "wealth": [self.min_endowment, self.endowment],
+                  "lifespan": [self.min_lifespan, self.lifespan]}
         return {name: least + np.floor(random[:, k] * (most - least + 1)) for k, (name, (least, most)) in enumerate(bounds.items())}
 
     def step(self, world: gridlock.World) -> None:
@@ -91,8 +91,7 @@ class Sugarscape(gridlock.Model):
         world.age += 1
         is_old = (world.age > world.lifespan) & self.replacement
         dies = np.zeros(len(world), dtype=np.int64)
-        order = np.argsort(world.uniform(), kind="stable")
-        _look_and_eat(order, world.uniform(purpose=1), place, world.wealth, world.metabolism.astype(np.int64), world.vision.astype(np.int64),
+        _look_and_eat(world.random_order(), world.uniform(purpose=1), place, world.wealth, world.metabolism.astype(np.int64), world.vision.astype(np.int64),
                       is_old.astype(np.int64), dies, sugar, is_taken, rows, columns, world.box.periodic_x, world.box.periodic_y)
         world.sugar = sugar.reshape(shape)
         world.positions[...] = _centres(place, shape, world.box)
