@@ -7,8 +7,9 @@
     PYTHONPATH=build/python benchmarks/mesa_comparison.py comparison --rounds 5
 
 Each round makes and runs every model once, with a seed of its own, on processor time. "Gridlock, C++" is a program (mesa_comparison.cpp); "C++ from
-Python" is the same model by its settings, most of whose time in small models reads them. Boids of C++ act all at once. Mesa runs the programs of the comparison as they are. Its table of
-results has the ratios of Mesa to Agents.jl, measured there on one machine: the least time of Mesa here divided by them is what Agents.jl would take here.
+Python" is the same model by its settings, most of whose time in small models reads them. Boids of C++ act all at once. Mesa runs the programs of
+the comparison as they are. Its table of results has the ratios of Mesa to Agents.jl, measured there on one machine: the least time of Mesa here
+divided by them is what Agents.jl would take here.
 
 The published wolves and sheep in Mesa never run the simulator by which their grass grows, so that all animals die; "mended" runs it.
 """
