@@ -1,15 +1,17 @@
 "use strict";
 
 // A figure that runs: the playground comes in place of the picture when a reader asks for it, for it is two megabytes.
-for (const figure of document.querySelectorAll(".live-figure")) {
+const figures = typeof WebAssembly === "object" ? document.querySelectorAll(".live-figure") : [];
+for (const figure of figures) {
   const { page, setUp } = figure.dataset;
   const run = document.createElement("button");
   run.type = "button";
   run.textContent = "Run it here";
   run.addEventListener("click", () => {
     const frame = document.createElement("iframe");
-    frame.src = `${page}?view=figure${setUp}`;
+    frame.src = `${page}?view=figure${setUp}&run=1`;
     frame.title = figure.querySelector("img")?.alt ?? "A run in the playground";
+    frame.addEventListener("load", () => frame.focus()); // for those who work with keys
     figure.querySelector("img")?.closest("p, figure, a")?.replaceWith(frame);
     run.remove();
   });
@@ -25,14 +27,25 @@ async function offerVersions() {
   const root = new URL(document.documentElement.dataset.content_root, location.href); // the folder of this version
   const answer = await fetch(new URL("../versions.json", root));
   if (!answer.ok) return;
+  const names = await answer.json();
   const here = root.pathname.split("/").at(-2);
-  for (const name of await answer.json()) choice.append(new Option(name, name, name === here, name === here));
-  choice.addEventListener("change", async () => {
-    const folder = new URL(`../${choice.value}/`, root);
+  const goTo = async (name) => {
+    const folder = new URL(`../${name}/`, root);
     const same = new URL(choice.dataset.page, folder);
     const there = await fetch(same, { method: "HEAD" });
     location.assign(there.ok ? same : new URL("index.html", folder));
-  });
+  };
+  for (const name of names) choice.append(new Option(name, name, name === here, name === here));
+  choice.addEventListener("change", () => void goTo(choice.value));
   choice.parentElement.hidden = false;
+  if (here === names[0]) return;
+  const note = document.createElement("p");
+  note.className = "version-note";
+  const newest = document.createElement("button");
+  newest.type = "button";
+  newest.textContent = `see ${names[0]}, the newest release`;
+  newest.addEventListener("click", () => void goTo(names[0]));
+  note.append(`This page describes ${here}: `, newest);
+  document.querySelector("article")?.prepend(note);
 }
 if (location.protocol.startsWith("http") && choice !== null) void offerVersions().catch(() => {});

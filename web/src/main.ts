@@ -4,16 +4,20 @@ import { Shell, type Panel } from "./page/shell.ts";
 import { ThemeSwitch } from "./page/theme.ts";
 import { isLive } from "./live/live_model.ts";
 import { LiveView } from "./live/live_view.ts";
+import { readFigure } from "./playground/figure.ts";
 import { Playground } from "./playground/playground.ts";
 import { isServed } from "./sources/served.ts";
 import { acceptDrops } from "./viewer/drop.ts";
 import { Viewer } from "./viewer/viewer.ts";
 import "./viewer/style.css";
 
-const theme = new ThemeSwitch();
-// "figure" is for a frame in another page: the picture of the playground and its keys; "viewer" begins with the viewer.
+// "figure" is for a frame in another page: the picture of the playground, its keys, and what the address asks for besides; "viewer"
+// begins with the viewer.
 const view = new URLSearchParams(location.search).get("view");
-document.documentElement.classList.toggle("as-figure", view === "figure");
+const figure = view === "figure" ? readFigure(location.hash) : undefined;
+document.documentElement.classList.toggle("as-figure", figure !== undefined);
+// A figure is as light or dark as its frame.
+const theme = new ThemeSwitch(figure === undefined);
 
 const showVersion = (version: string): void => {
   shell.version = version;
@@ -24,7 +28,7 @@ const panels: Panel[] = [
   {
     name: "Playground",
     open: async () => {
-      const playground = new Playground(theme, showVersion);
+      const playground = new Playground(theme, showVersion, figure);
       void playground.start();
       // For the console of the browser, and for tests.
       Object.assign(globalThis, { gridlock: { playground, drawing: playground.drawing } });

@@ -169,7 +169,7 @@ export class RunCharts {
 
   constructor() {
     this.chooser = select("Another quantity", [], "", (name) => this.choose(name));
-    const field = element("div", { class: "group" }, this.chooser);
+    const field = element("div", { class: "group further" }, this.chooser);
     this.element.append(this.list, this.further, field);
     this.begin([]);
   }

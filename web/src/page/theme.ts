@@ -9,8 +9,9 @@ export class ThemeSwitch {
   private readonly system = matchMedia("(prefers-color-scheme: dark)");
   private chosen: ThemeName | null;
 
-  constructor() {
-    const kept = readKept();
+  /** `remembers`: whether an earlier choice counts. */
+  constructor(remembers = true) {
+    const kept = remembers ? readKept() : null;
     this.chosen = kept === "light" || kept === "dark" ? kept : null;
     this.system.addEventListener("change", () => this.apply());
     this.apply();

@@ -14,6 +14,7 @@ import { BarRange, colouringOf, coloursOf, NEIGHBOURHOOD, usualColour } from "./
 import { Controls } from "./controls.ts";
 import { Editor } from "./editor.ts";
 import { exportItems } from "./exports.ts";
+import type { Figure } from "./figure.ts";
 import { guideElements } from "./guides.ts";
 import { Inspector, rowOf } from "./inspector.ts";
 import { decodeLink, encodeLink, type LinkContent } from "./link.ts";
@@ -85,7 +86,7 @@ export class Playground {
   private links = 0; // how many were opened: of two the later one counts
   private notes = 0; // of the address
   /** What the user has asked for last: a set-up that is changed meanwhile moves on. */
-  private wantsToRun = false;
+  private wantsToRun: boolean;
   private isAwaited = false;
   /** Frames of a session that is being opened, which come before it is described. */
   private early: EngineFrame[] = [];
@@ -98,11 +99,13 @@ export class Playground {
   private endedAt = -Infinity;
   private merged = "";
 
-  /** Throws Error where the browser cannot draw. */
+  /** `figure`: it is part of another page. Throws Error where the browser cannot draw. */
   constructor(
     theme: ThemeSwitch,
     private readonly onVersion: (version: string) => void,
+    private readonly figure?: Figure,
   ) {
+    this.wantsToRun = figure?.runs === true;
     this.build();
     this.drawing = new Drawing(this.picture);
     this.drawing.onPick = (row) => this.pick(row);
@@ -226,8 +229,14 @@ export class Playground {
       this.transport.element,
       this.look,
     );
-    const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.packing.element, this.charts.element);
-    this.element.append(stage, this.setupSide, charts);
+    const charts = [this.packing.element, this.charts.element];
+    if (this.figure === undefined) {
+      this.element.append(stage, this.setupSide, element("aside", { class: "side charts", "aria-label": "Charts" }, ...charts));
+      return;
+    }
+    this.transport.element.before(this.problem, this.note);
+    if (this.figure.columns.length > 0) this.setupSide.append(element("h2", { class: "visually-hidden" }, "Charts"), ...charts);
+    this.element.append(stage, this.setupSide);
   }
 
   private addControls(engine: Engine): void {
@@ -243,6 +252,10 @@ export class Playground {
     const grid = element("label", { class: "check" }, this.grid, "Grid of k × k cells");
     const block = element("label", { class: "check", title: "Around the agent that was clicked" }, this.block, "3 × 3 block");
     this.look.append(colour, grid, block, this.forcesField);
+    if (this.figure !== undefined) {
+      if (this.figure.settings.length > 0) this.setupSide.prepend(this.controls.element);
+      return;
+    }
     this.setupSide.append(
       this.controls.element,
       this.cells.element,
@@ -313,7 +326,7 @@ export class Playground {
   private showValues(asked: Setup): void {
     if (this.info === undefined || (this.next !== undefined && this.next !== asked)) return;
     const { values } = this.info;
-    this.controls?.show(values);
+    this.controls?.show(values, this.figure?.settings);
     const hasCells = values["model.kind"] === "disks" && values["engine.kind"] === "stepped";
     this.cells?.show(values, hasCells ? ["engine.cells"] : []);
   }
@@ -351,7 +364,8 @@ export class Playground {
     this.guide.replaceChildren(...guideElements(commentAtTop(this.setup.toml), this.setup.sceneName));
     this.anySetting?.show(info.values);
     this.series = new Series(info.seriesColumns.map((column) => column.name));
-    this.charts.begin(info.seriesColumns);
+    const { figure } = this;
+    this.charts.begin(info.seriesColumns.filter((column) => figure === undefined || figure.columns.includes(column.name)));
     this.packing.begin();
     this.transport.begin();
     this.range.reset();

@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import type { AddressInfo } from "node:net";
 import { extname, join, normalize } from "node:path";
 
-import { chromium, type Browser, type BrowserContextOptions, type Page } from "playwright-core";
+import { chromium, type Browser, type BrowserContextOptions, type Frame, type Page } from "playwright-core";
 
 /** GRIDLOCK_PAGE names another build than that of ./dev build-web. */
 export const PAGE_FOLDER = process.env["GRIDLOCK_PAGE"] ?? join(import.meta.dirname, "../../../build-web/page");
@@ -26,7 +26,9 @@ export async function servePage(folder = PAGE_FOLDER): Promise<{ address: string
     const path = normalize(decodeURIComponent((request.url ?? "/").replace(/[?#].*$/, ""))).replace(/^\/+/, "") || "index.html";
     const file = join(folder, path);
     if (!file.startsWith(folder) || !existsSync(file) || !statSync(file).isFile()) {
-      response.writeHead(404).end();
+      // As static hosts do.
+      const other = join(folder, "404.html");
+      response.writeHead(404, { "Content-Type": "text/html" }).end(existsSync(other) ? readFileSync(other) : "");
       return;
     }
     response.writeHead(200, {
@@ -93,15 +95,16 @@ export async function openWatched(browser: Browser, address: string, options: Br
   return { page, complaints, foreign };
 }
 
-/** What axe-core finds wrong for people who cannot see, hear or move as others do. */
-export async function findings(page: Page): Promise<string[]> {
+/** What axe-core finds wrong, in a part or all of it, for people who cannot see, hear or move as others do. */
+export async function findings(page: Page | Frame, part = "html"): Promise<string[]> {
   await page.evaluate(readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
-  const result = await page.evaluate(() =>
+  const result = await page.evaluate((within) =>
     (
       globalThis as unknown as {
-        axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> };
+        axe: { run(within: string): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> };
       }
-    ).axe.run(),
+    ).axe.run(within),
+    part,
   );
   return result.violations.map(
     (one) =>
