@@ -46,6 +46,6 @@ async function offerVersions() {
   newest.textContent = `see ${names[0]}, the newest release`;
   newest.addEventListener("click", () => void goTo(names[0]));
   note.append(`This page describes ${here}: `, newest);
-  document.querySelector("article")?.prepend(note);
+  document.querySelector("article h1")?.after(note);
 }
 if (location.protocol.startsWith("http") && choice !== null) void offerVersions().catch(() => {});

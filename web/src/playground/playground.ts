@@ -235,7 +235,8 @@ export class Playground {
       return;
     }
     this.transport.element.before(this.problem, this.note);
-    if (this.figure.columns.length > 0) this.setupSide.append(element("h2", { class: "visually-hidden" }, "Charts"), ...charts);
+    const title = element("h2", { class: "visually-hidden" }, "Charts");
+    this.setupSide.replaceChildren(...(this.figure.columns.length > 0 ? [title, ...charts] : []));
     this.element.append(stage, this.setupSide);
   }
 

@@ -103,7 +103,7 @@ describe.skipIf(!isMade)("the site", () => {
   }, 300_000);
 
   for (const [name, options] of [
-    ["light", {}],
+    ["light, in a window of middle width", { viewport: { width: 1020, height: 800 } }],
     ["dark, on a phone", { colorScheme: "dark", viewport: { width: 375, height: 700 }, isMobile: true, hasTouch: true }],
   ] as const) {
     test(`axe-core finds nothing in a figure, which needs no scrolling and obeys the keyboard: ${name}`, async () => {
