@@ -3,7 +3,7 @@
 
 A comment `<!-- docs/page.md: quoted text -->` beneath a paragraph or figure names where its numbers come from. The text has to be in the page,
 and each number of the paragraph in one of its quotations. Each cited key has an entry in paper.bib, each entry is cited, and
-has a doi or a note why it has none.
+has a doi or a note why it has none. Sections and length are what the journal asks for, https://joss.readthedocs.io/en/latest/paper.html.
 """
 import pathlib
 import re
@@ -11,6 +11,9 @@ import sys
 
 here = pathlib.Path(__file__).resolve().parent
 root = here.parent
+sections = ["Summary", "Statement of need", "State of the field", "Software design", "Research impact statement", "AI usage disclosure",
+            "Acknowledgements", "References"]
+least_words, most_words = 750, 1750
 number = re.compile(r"(?<![\w.])\d[\d.,]*(?:·10)?[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*(?<![.,])")
 
 
@@ -38,9 +41,18 @@ def faults_of_citations(text, bibliography):
             yield f"{key} has no doi, and no note why"
 
 
+def faults_of_form(text):
+    body = re.sub(r"<!--.*?-->", "", text.split("---", 2)[2])
+    found = re.findall(r"^# (.*)$", body, re.MULTILINE)
+    if found != sections:
+        yield f"the sections are {found}, not {sections}"
+    if not least_words <= len(body.split()) <= most_words:
+        yield f"{len(body.split())} words, not {least_words} to {most_words}"
+
+
 if __name__ == "__main__":
     text = (here / "paper.md").read_text()
-    faults = [*faults_of(text), *faults_of_citations(text, (here / "paper.bib").read_text())]
+    faults = [*faults_of_form(text), *faults_of(text), *faults_of_citations(text, (here / "paper.bib").read_text())]
     for fault in faults:
         print(fault, file=sys.stderr)
     sys.exit(1 if faults else 0)
