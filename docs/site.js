@@ -1,9 +1,12 @@
 "use strict";
 
-// A figure that runs: the playground comes in place of the picture when a reader asks for it, for it is two megabytes.
+// A figure that runs: the playground comes in place of the picture when a reader asks for it, for it is a megabyte. The page of one file is
+// larger, and needs no server.
+const playground = location.protocol.startsWith("http") ? "index.html" : "playground.html";
 const figures = typeof WebAssembly === "object" ? document.querySelectorAll(".live-figure") : [];
 for (const figure of figures) {
-  const { page, setUp } = figure.dataset;
+  const { setUp } = figure.dataset;
+  const page = figure.dataset.folder + playground;
   const run = document.createElement("button");
   run.type = "button";
   run.textContent = "Run it here";

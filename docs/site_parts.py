@@ -2,11 +2,13 @@
 
 An extension of Sphinx. In a page
 
-    <!-- live: scene=melting&speed=200 -->
+    <!-- live: scene=melting&vary=disks.packing_fraction&chart=mean_displacement -->
     ![words](picture)
 
 is a picture wherever Markdown is read. On the site, where ./dev build-web has made the page, it becomes a figure: a button under the picture
-puts the playground with that set-up in its place. What follows "live:" is the part of an address of the playground behind "#".
+puts the playground with that set-up in its place, which runs. What follows "live:" is the part of an address of the playground behind "#":
+the set-up, and what the figure has beside the picture (docs/how_to/playground.md). A picture live_….png is the figure at its end:
+GRIDLOCK_WRITE_PICTURES=1 ./dev test-site takes it anew.
 """
 import html
 import pathlib
@@ -30,11 +32,11 @@ def github():
 
 def put_live_figures(app, docname, source):
     """Puts around the picture what site.js makes the buttons of, so that without JavaScript nothing is promised."""
-    playground = "../" * docname.count("/") + "playground/playground.html"
+    folder = "../" * docname.count("/") + "playground/"
 
     def figure(match):
         set_up, words, picture = match.groups()
-        return (f'```{{raw}} html\n<div class="live-figure" data-page="{playground}" data-set-up="#{html.escape(set_up)}">\n```\n'
+        return (f'```{{raw}} html\n<div class="live-figure" data-folder="{folder}" data-set-up="#{html.escape(set_up)}">\n```\n'
                 f"![{words}]({picture})\n\n```{{raw}} html\n</div>\n```\n")
 
     source[0] = FIGURE.sub(figure if has_page() else r"![\2](\3)\n", source[0])
