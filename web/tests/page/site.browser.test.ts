@@ -31,7 +31,10 @@ const FIGURES = globSync("docs/**/*.md", { cwd: ROOT }).flatMap((file) => {
 function hashOf(scene: string): string | undefined {
   const folder = mkdtempSync(join(tmpdir(), "gridlock-scene-"));
   try {
-    const said = execFileSync(PROGRAM, ["run", join(ROOT, `scenes/${scene}.toml`), "-o", join(folder, "run"), "--no-pictures"], { encoding: "utf8" });
+    const said = execFileSync(PROGRAM, ["run", join(ROOT, `scenes/${scene}.toml`), "-o", join(folder, "run"), "--no-pictures"], {
+      encoding: "utf8",
+      stdio: "pipe",
+    });
     return /state_hash +([0-9a-f]{16})/.exec(said)?.[1];
   } finally {
     rmSync(folder, { recursive: true });
