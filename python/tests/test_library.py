@@ -61,6 +61,24 @@ def test_a_fire_burns_what_is_joined_to_the_left_side():
     assert forest.shape == (30, 60) and np.array_equal(fire.frame.fields["forest"] == 3, joined)
 
 
+def test_a_forest_burns_tree_by_tree_as_in_the_public_comparison():
+    side = 30
+    fire = gridlock.Simulation(model=ForestFire(side=side, density=0.7), box={"edge": "wall"})
+    forest = fire.frame.fields["forest"].tolist()
+    burning = [(row, 0) for row in range(side) if forest[row][0]]
+    assert burning and all(forest[row][0] == 2 for row, _ in burning)
+    for _ in range(side):
+        fire.run(steps=1)
+        before, burning = burning, []
+        for row, column in before:
+            for across, along in ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1)):
+                if 0 <= across < side and 0 <= along < side and forest[across][along] == 1:
+                    forest[across][along] = 2
+                    burning.append((across, along))
+            forest[row][column] = 3
+        assert fire.frame.fields["forest"].tolist() == forest
+
+
 def test_agents_of_schelling_start_as_happy_as_chance_has_it():
     side, count, wanted = 40, 1000, 3
     cells, like = side**2 - 1, count // 2 - 1
