@@ -336,6 +336,29 @@ def test_boids_are_those_of_the_public_comparison():
         require_same_means(one, other)
 
 
+def test_boids_of_cpp_follow_that_rule_all_at_once():
+    count, side, radius, speed = 60, 20.0, 5.0, 0.7
+    flock = gridlock.Simulation({"model.kind": "flocking", "flocking": {"rule": "boids", "count": count, "radius": radius, "speed": speed},
+                                 "box": {"width": side, "height": side, "edge": "periodic"}})
+
+    def seen(frame):
+        order = np.argsort(frame.ids)
+        return frame.positions[order], np.stack([frame.heading_x, frame.heading_y], axis=1)[order]
+
+    places, headings = seen(flock.frame)
+    for _ in range(5):
+        gaps = places[None] - places[:, None]
+        gaps -= side * np.rint(gaps / side)
+        distances = np.hypot(*np.moveaxis(gaps, 2, 0)) + radius * 2 * np.eye(count)
+        near, close = ((distances < reach).astype(float) for reach in (radius, 1.0))
+        wish = 0.03 * np.einsum("ij,ijk->ik", near, gaps) - 0.015 * np.einsum("ij,ijk->ik", close, gaps) + 0.05 * near @ headings
+        headings = headings + wish / np.maximum(near.sum(axis=1), 1)[:, None]
+        headings /= np.hypot(*headings.T)[:, None]
+        places = (places + speed * headings) % side
+    flock.run(steps=5)
+    assert all(np.allclose(one, other, atol=1e-9) for one, other in zip(seen(flock.frame), (places, headings)))
+
+
 def test_a_bird_alone_flies_straight_on():
     bird = gridlock.Simulation(model=Boids(count=1), box={"width": 30.0, "height": 20.0, "edge": "periodic"})
     place, heading = bird.frame.positions[0], np.array([bird.frame.heading_x[0], bird.frame.heading_y[0]])
