@@ -33,14 +33,14 @@ def names_in(recipe, pattern, section=r"(.*)"):
 # The dependencies that each recipe names, and those that its world alone knows.
 recipes = {
     "conda": (names_in("packaging/conda/recipe.yaml", r"^    - ([\w-]+)$", r"\nrequirements:(.*?)\ntests:"), set()),
-    "spack": (names_in("packaging/spack/packages/gridlock/package.py", r'depends_on\("([\w-]+)'), {"cxx", "mpi"}),
+    "spack": (names_in("packaging/spack/spack_repo/gridlock/packages/gridlock/package.py", r'depends_on\("([\w-]+)'), {"cxx", "mpi"}),
     "nix": (names_in("packaging/nix/default.nix", r"^    ([\w-]+)$", r"Inputs = with pkgs; \[(.*?)\]")
             | names_in("packaging/nix/default.nix", r"pkgs\.(dejavu_fonts)"), {"makeWrapper"}),
-    "homebrew": (names_in("packaging/homebrew/gridlock.rb", r'^  (?:depends_on|uses_from_macos) "([\w-]+)"'), set()),
+    "homebrew": (names_in("packaging/homebrew/gridlock.rb", r'^  depends_on "([\w-]+)"'), set()),
 }
 version_of = {
     "packaging/conda/recipe.yaml": r'^  version: "([\d.]+)"',
-    "packaging/spack/packages/gridlock/package.py": r'^    version\("([\d.]+)", tag="v\1"\)',
+    "packaging/spack/spack_repo/gridlock/packages/gridlock/package.py": r'^    version\("([\d.]+)", tag="v\1"\)',
     "packaging/nix/default.nix": r'^  version = "([\d.]+)"',
     "packaging/homebrew/gridlock.rb": r'^  url .*, tag: "v([\d.]+)"',
     "packaging/apptainer/gridlock.def": r"^    Version ([\d.]+)",

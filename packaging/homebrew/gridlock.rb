@@ -1,4 +1,4 @@
-# brew install --build-from-source ./packaging/homebrew/gridlock.rb
+# Homebrew takes a formula from a path only where HOMEBREW_DEVELOPER is set; the page of recipes has the command.
 class Gridlock < Formula
   desc "Simulator of many agents that interact only with near neighbours"
   homepage "https://gridlock.example.org"
@@ -23,11 +23,12 @@ class Gridlock < Formula
   depends_on "tbb"
   depends_on "tomlplusplus"
   depends_on "xxhash"
-
-  uses_from_macos "zlib"
+  depends_on "zlib-ng-compat"
 
   resource "random123" do
-    url "https://github.com/DEShawResearch/random123.git", tag: "v1.14.0"
+    url "https://github.com/DEShawResearch/random123.git",
+        tag:      "v1.14.0",
+        revision: "726a093cd9a73f3ec3c8d7a70ff10ed8efec8d13"
   end
 
   def install

@@ -6,6 +6,7 @@ let
   random123 = builtins.fetchGit {
     url = "https://github.com/DEShawResearch/random123.git";
     ref = "refs/tags/v1.14.0";
+    rev = "726a093cd9a73f3ec3c8d7a70ff10ed8efec8d13";
   };
 in
 pkgs.stdenv.mkDerivation {
@@ -25,8 +26,8 @@ pkgs.stdenv.mkDerivation {
     tomlplusplus
     nlohmann_json
     cli11
-    xxHash
-    tbb
+    xxhash
+    onetbb
     cairo
     hdf5
     libdeflate
