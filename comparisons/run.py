@@ -4,7 +4,7 @@
     git clone https://github.com/JuliaDynamics/ABMFrameworksComparison comparison
     pip install mesa==3.2.0 numba
     cmake --build build --target gridlock_bench_public_comparison
-    PYTHONPATH=$PWD/build/python comparisons/run.py comparison --rounds 2 --runs 5
+    PYTHONPATH=$PWD/build/python comparisons/run.py comparison --rounds 2 --runs 3
 
 Needs java and javac for MASON, whose library the clone has, bc, and for NetLogo its archive unpacked as comparison/netlogo, as the clone asks; without
 it NetLogo is left out. Each program runs as the comparison has it and prints the median of its runs; --runs makes them fewer than its 100.
@@ -132,7 +132,7 @@ def main():
     parser.add_argument("--table", action="store_true", help="measure nothing, print the table of the results")
     parser.add_argument("--models", nargs="+", choices=MODELS, default=MODELS, help="some models only")
     parser.add_argument("--rounds", type=int, default=2)
-    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--output", type=pathlib.Path, default=RESULTS)
     options = parser.parse_args()
     if not options.table:
