@@ -61,8 +61,9 @@ def write(site, address):
                                                 f'<p><a href="{names[0]}/index.html">Gridlock {names[0]}</a>'))
     # It is shown at any depth: links begin at the address of the site, at the root of its host where that is not known.
     items = "".join(f'<li><a href="{name}/index.html">{name}</a> (<a href="{name}/search.html">search</a>)\n' for name in names)
+    style = "body { font: 1.1em/1.5 system-ui, sans-serif; max-width: 34em; margin: 10vh auto; padding: 0 1em; }"
     (site / "404.html").write_text(plain_page(
-        f'<base href="{html.escape(address or "")}/">\n<style>body {{ font: 1.1em/1.5 system-ui, sans-serif; max-width: 34em; margin: 10vh auto; padding: 0 1em; }}</style>',
+        f'<base href="{html.escape(address or "")}/">\n<style>{style}</style>',
         f"<main>\n<h1>This page is not here</h1>\n<p>It may have another name, or be in another version of Gridlock:\n<ul>\n{items}</ul>\n</main>"))
     (site / ".nojekyll").touch()  # GitHub leaves out folders that begin with _ without it
     if address:

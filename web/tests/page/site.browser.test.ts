@@ -45,9 +45,10 @@ describe.skipIf(!isMade)("the site", () => {
   let browser: Browser;
   let server: Server;
   let address: string;
-  const folder = mkdtempSync(join(tmpdir(), "gridlock-site-"));
+  let folder: string;
 
   beforeAll(async () => {
+    folder = mkdtempSync(join(tmpdir(), "gridlock-site-"));
     symlinkSync(SITE, join(folder, "v0.10.0"));
     symlinkSync(SITE, join(folder, "main"));
     mkdirSync(join(folder, "v0.9.0"));
@@ -117,7 +118,10 @@ describe.skipIf(!isMade)("the site", () => {
         expect(await findings(frame)).toEqual([]);
         expect(await findings(page, ".live-figure")).toEqual([]);
         expect(await frame.evaluate(() => document.documentElement.dataset["theme"])).toBe("colorScheme" in options ? "dark" : "light");
-        const beyond = await frame.evaluate(() => ({ x: document.documentElement.scrollWidth - innerWidth, y: document.documentElement.scrollHeight - innerHeight }));
+        const beyond = await frame.evaluate(() => {
+          const whole = document.documentElement;
+          return { x: whole.scrollWidth - innerWidth, y: whole.scrollHeight - innerHeight };
+        });
         expect(beyond).toEqual({ x: 0, y: 0 });
         expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(page.viewportSize()!.width);
       });
@@ -170,11 +174,13 @@ test("every page names its address in the newest version that has it, and the ma
     for (const at of ["https://before.org", "https://example.org/gridlock"]) {
       execFileSync("python3", [join(ROOT, "docs/versions.py"), site, "v0.3.0", join(site, "v0.2.0"), at]);
     }
-    const named = (page: string): string[] => [...readFileSync(join(site, page), "utf8").matchAll(/rel="canonical" href="(.*?)"/g)].map((match) => match[1]!);
+    const found = (file: string, pattern: RegExp): (string | undefined)[] =>
+      [...readFileSync(join(site, file), "utf8").matchAll(pattern)].map((match) => match[1]);
+    const named = (page: string): (string | undefined)[] => found(page, /rel="canonical" href="(.*?)"/g);
     expect(named("v0.1.0/index.html")).toEqual(["https://example.org/gridlock/v0.3.0/index.html"]);
     expect(named("v0.1.0/old.html")).toEqual(["https://example.org/gridlock/v0.1.0/old.html"]);
     expect(named("main/new.html")).toEqual(["https://example.org/gridlock/main/new.html"]);
-    expect([...readFileSync(join(site, "sitemap.xml"), "utf8").matchAll(/<loc>(.*?)</g)].map((match) => match[1])).toEqual(["https://example.org/gridlock/v0.3.0/index.html"]);
+    expect(found("sitemap.xml", /<loc>(.*?)</g)).toEqual(["https://example.org/gridlock/v0.3.0/index.html"]);
   } finally {
     rmSync(site, { recursive: true });
   }
