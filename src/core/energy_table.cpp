@@ -144,7 +144,7 @@ void EnergyTable::require_no_swing() const {
       falls &= row(m + 1) <= row(m);
     }
     if (!rises && !falls) continue;  // next to a minimum or a maximum of the rows a spline may pass them
-    auto const [low, high] = std::minmax(row(k), row(k + 1));
+    auto const [low, high] = std::minmax({row(k), row(k + 1)});
     // The slope is a parabola, a + b t + c t²; where it vanishes within the piece the spline turns back.
     Piece const& piece = pieces_[k];
     double const root = piece.square * piece.square - 3.0 * piece.cube * piece.slope;
