@@ -1,8 +1,8 @@
 # gridlock_unity_groups(NAME SOURCES_IN_GROUP SOURCES…): sources of one room that compile as one, that many at a time. Kernels are
-# compiled for several processors, each in its own way, and stay by themselves.
+# compiled for several processors, each in its own way, and headers of Windows define common words as macros: these stay by themselves.
 function(gridlock_unity_groups name sources_in_group)
   set(count 0)
-  list(FILTER ARGN EXCLUDE REGEX "(_highway|_avx512|batched_moves)\\.cpp$")
+  list(FILTER ARGN EXCLUDE REGEX "(_highway|_avx512|batched_moves|_windows)\\.cpp$")
   foreach(source ${ARGN})
     math(EXPR group "${count} / ${sources_in_group}")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${name}_${group})

@@ -1,21 +1,16 @@
 #include "io/file.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <sys/sysmacros.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <system_error>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "io/descriptor.hpp"
-#include "io/file_lock.hpp"
+#include "io/posix.hpp"
 #include "io/text.hpp"
 
 namespace gridlock {
@@ -23,6 +18,7 @@ namespace gridlock {
 namespace {
 
 constexpr std::size_t buffer_size = std::size_t{256} * 1024;
+constexpr std::size_t most_at_once = std::size_t{1} << 30;  ///< bytes in one call; no system takes more than 2 GB
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
@@ -74,7 +70,8 @@ bool is_name_of_temporary(std::string_view name) {
 /// Syncs a directory, so that a rename in it survives a power cut. Errors are ignored, as some file systems cannot do
 /// this; the file is complete under its old or new name anyway.
 void bring_names_to_disk(std::filesystem::path const& directory) {
-  Descriptor const opened(open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  std::filesystem::path const place = directory.empty() ? "." : directory;
+  Descriptor const opened(open(place.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (opened.is_open()) fsync(opened.number());
 }
 
@@ -98,8 +95,9 @@ void remove_if_abandoned(std::filesystem::path const& path) {
 
 /// Returns whether reading would never end, as for /dev/zero or a whole disk. /dev/null counts as an empty file.
 bool has_no_end(struct stat const& status) {
-  dev_t const null_device = makedev(1, 3);
-  return S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && status.st_rdev != null_device);
+  struct stat null_device {};
+  bool const is_null_device = stat("/dev/null", &null_device) == 0 && status.st_rdev == null_device.st_rdev;
+  return S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && !is_null_device);
 }
 
 }  // namespace
@@ -161,8 +159,11 @@ void AtomicFile::commit(std::filesystem::path const& previous) {
   }
   if (fsync(descriptor_) != 0) fail(errno);
   // The file is closed after the rename, since closing releases the lock that keeps other processes from removing it.
-  if (!previous.empty() && std::rename(target_.c_str(), previous.c_str()) != 0 && errno != ENOENT) fail(errno);
-  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+  std::error_code error;
+  if (!previous.empty()) std::filesystem::rename(target_, previous, error);
+  if (error && error != std::errc::no_such_file_or_directory) fail(error.value());
+  std::filesystem::rename(temporary_, target_, error);
+  if (error) fail(error.value());
   temporary_.clear();
   close(std::exchange(descriptor_, -1));
   bring_names_to_disk(target_.parent_path());
@@ -170,7 +171,7 @@ void AtomicFile::commit(std::filesystem::path const& previous) {
 
 void AtomicFile::write_out(std::string_view text) {
   while (!text.empty()) {
-    ssize_t const written = write(descriptor_, text.data(), text.size());
+    ssize_t const written = write(descriptor_, text.data(), static_cast<unsigned>(std::min(text.size(), most_at_once)));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail(errno);
     text.remove_prefix(static_cast<std::size_t>(written));
@@ -246,7 +247,7 @@ FileReader::FileReader(std::filesystem::path path)
 
 std::size_t FileReader::read(std::span<char> into) {
   while (true) {
-    ssize_t const got = ::read(file_.number(), into.data(), into.size());
+    ssize_t const got = ::read(file_.number(), into.data(), static_cast<unsigned>(std::min(into.size(), most_at_once)));
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno != EINTR) refuse_reading(path_, reason(errno), "");
   }

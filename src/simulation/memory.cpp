@@ -1,8 +1,6 @@
 #include "simulation/memory.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "core/resources.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/parallel/communicator.hpp"
+#include "io/posix.hpp"
 
 namespace gridlock {
 

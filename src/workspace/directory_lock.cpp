@@ -1,7 +1,4 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -10,7 +7,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
-#include "io/file_lock.hpp"
+#include "io/posix.hpp"
 
 namespace gridlock {
 
