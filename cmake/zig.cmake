@@ -1,4 +1,4 @@
-# The toolchain of zig, a clang with libc++ and the C libraries of many systems: ./dev libcxx gets it from PyPI into
+# The toolchain of zig, a clang with libc++ and the C libraries of many systems: ./dev portable gets it from PyPI into
 # build-zig. GRIDLOCK_ZIG_TARGET names the system, as x86_64-linux-gnu.2.28; GRIDLOCK_EMULATOR runs what was built.
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES GRIDLOCK_ZIG_TARGET)
 string(REGEX MATCH "^[a-z0-9_]+" CMAKE_SYSTEM_PROCESSOR ${GRIDLOCK_ZIG_TARGET})
@@ -17,10 +17,9 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   # Functions that ask for AVX-512 get its wide registers; others have the first 64-bit processor as ever.
   string(APPEND flags " -mcpu=baseline+evex512")
 endif()
-if(GRIDLOCK_ZIG_TARGET MATCHES "^x86_64-linux")
-  # What the processor can do is asked of the library of gcc, which zig's own one lacks.
-  file(GLOB library_of_gcc /usr/lib/gcc/x86_64-linux-gnu/*/libgcc.a)
-  set(CMAKE_CXX_STANDARD_LIBRARIES_INIT "${library_of_gcc}")
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "riscv64")
+  # Random123 does not know the processor by itself.
+  string(APPEND flags " -DR123_USE_GNU_UINT128=1")
 endif()
 set(CMAKE_C_FLAGS_INIT "${flags}")
 set(CMAKE_CXX_FLAGS_INIT "${flags}")

@@ -1,6 +1,6 @@
 #pragma once
 
-// Calls of POSIX for files and memory. On Windows functions of the same names do as much as its own calls can: there are no
+// Calls of POSIX for files and memory. On Windows functions of the same names do as much as its calls can: there are no
 // locks of files, so that nobody takes a file for left over, and a directory is not brought to the disk.
 
 #include <filesystem>
