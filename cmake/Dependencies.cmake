@@ -3,6 +3,7 @@
 find_package(fmt REQUIRED)            # text with numbers, round-trip exact
 find_package(tomlplusplus REQUIRED)   # the configuration, with line and column of every value
 find_package(nlohmann_json REQUIRED)  # summary.json
+find_package(Threads REQUIRED)        # which a static oneTBB does not look for itself
 find_package(TBB REQUIRED)            # sweeps on all cores
 find_package(Eigen3 REQUIRED NO_MODULE) # sparse Cholesky factorization and eigenvalues of packings, headers only
 find_package(PkgConfig REQUIRED)

@@ -17,6 +17,7 @@ function(gridlock_probe library found problem)
   # Where a user says that the library is; what the search itself enters is in the cache of the probe.
   set(hints "")
   foreach(entry CMAKE_CXX_COMPILER CMAKE_PREFIX_PATH CMAKE_TOOLCHAIN_FILE CMAKE_MAKE_PROGRAM PKG_CONFIG_EXECUTABLE
+                GRIDLOCK_ZIG_TARGET GRIDLOCK_LIBRARIES
                 MPI_HOME MPI_CXX_COMPILER MPI_EXECUTABLE_SUFFIX MPI_GUESS_LIBRARY_NAME MPIEXEC_EXECUTABLE)
     if(${entry})
       string(REPLACE ";" "\\;" value "${${entry}}")

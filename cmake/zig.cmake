@@ -1,8 +1,11 @@
-# The toolchain of zig, a clang with libc++ and the C libraries of many systems: ./dev portable gets it from PyPI into
-# build-zig. GRIDLOCK_ZIG_TARGET names the system, as x86_64-linux-gnu.2.28; GRIDLOCK_EMULATOR runs what was built.
-list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES GRIDLOCK_ZIG_TARGET)
+# The toolchain of zig, a clang with libc++ and the C libraries of many systems: ./dev portable and ./dev wheel get it from PyPI into
+# build-zig. GRIDLOCK_ZIG_TARGET names the system, as x86_64-linux-gnu.2.28; GRIDLOCK_EMULATOR runs what was built;
+# GRIDLOCK_LIBRARIES is a root with the libraries for it, as packaging/libraries_for makes one.
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES GRIDLOCK_ZIG_TARGET GRIDLOCK_LIBRARIES)
 string(REGEX MATCH "^[a-z0-9_]+" CMAKE_SYSTEM_PROCESSOR ${GRIDLOCK_ZIG_TARGET})
-set(CMAKE_SYSTEM_NAME Linux)
+if(NOT GRIDLOCK_ZIG_TARGET MATCHES "^${CMAKE_HOST_SYSTEM_PROCESSOR}-linux")
+  set(CMAKE_SYSTEM_NAME Linux)
+endif()
 if(GRIDLOCK_ZIG_TARGET MATCHES "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
 elseif(GRIDLOCK_ZIG_TARGET MATCHES "windows")
@@ -26,6 +29,20 @@ set(CMAKE_CXX_FLAGS_INIT "${flags}")
 set(CMAKE_AR ${zig}/ar CACHE FILEPATH "")
 set(CMAKE_RANLIB ${zig}/ranlib CACHE FILEPATH "")
 set(CMAKE_CROSSCOMPILING_EMULATOR ${GRIDLOCK_EMULATOR})
+
+if(GRIDLOCK_LIBRARIES)
+  set(CMAKE_FIND_ROOT_PATH ${GRIDLOCK_LIBRARIES})
+  set(CMAKE_LIBRARY_ARCHITECTURE ${CMAKE_SYSTEM_PROCESSOR}-linux-gnu)
+  set(ENV{PKG_CONFIG_SYSROOT_DIR} ${GRIDLOCK_LIBRARIES})
+  file(GLOB folders_of_pkgconfig ${GRIDLOCK_LIBRARIES}/usr/lib/pkgconfig ${GRIDLOCK_LIBRARIES}/usr/lib/*/pkgconfig)
+  list(JOIN folders_of_pkgconfig ":" folders_of_pkgconfig)
+  set(ENV{PKG_CONFIG_LIBDIR} ${folders_of_pkgconfig}:${GRIDLOCK_LIBRARIES}/usr/share/pkgconfig)
+  set(ENV{PKG_CONFIG_ALLOW_SYSTEM_CFLAGS} 1)  # the compiler looks by itself into no folder of this root
+  set(ENV{PKG_CONFIG_ALLOW_SYSTEM_LIBS} 1)
+  set(PKG_CONFIG_ARGN --static)  # archives do not say what else they need
+  # A module of Python takes archives that were made for programs: nobody puts other functions in the place of theirs.
+  set(CMAKE_MODULE_LINKER_FLAGS_INIT "-Wl,-Bsymbolic")
+endif()
 
 # Programs of this machine, all else of the other one.
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

@@ -36,6 +36,8 @@ recipes = {
     "spack": (names_in("packaging/spack/spack_repo/gridlock/packages/gridlock/package.py", r'depends_on\("([\w-]+)'), {"cxx", "mpi"}),
     "nix": (names_in("packaging/nix/default.nix", r"^    ([\w-]+)$", r"Inputs = with pkgs; \[(.*?)\]")
             | names_in("packaging/nix/default.nix", r"pkgs\.(dejavu_fonts)"), {"makeWrapper"}),
+    "wheel": (names_in("packaging/libraries_for", r"([\w-]+)", r"(?:archives|sources)=\((.*?)\)"),
+              {"libpixman-1-dev", "libpng-dev", "libfreetype-dev", "libfontconfig-dev", "libbrotli-dev", "expat"}),  # of Cairo
     "homebrew": (names_in("packaging/homebrew/gridlock.rb", r'^  depends_on "([\w-]+)"'), set()),
 }
 version_of = {
