@@ -54,7 +54,7 @@ fs::path find_page(std::string const& asked) {
     throw Error({.what = fmt::format("there is no index.html in {}", asked), .hint = hint, .key = "--page"});
   }
   for (fs::path const& place :
-       {cli::installation() / "share/gridlock/web", cli::program_directory() / "../../../build-web/page"}) {
+       {cli::program_directory() / "../share/gridlock/web", cli::program_directory() / "../../../build-web/page"}) {
     if (has_page(place)) return place;
   }
   throw Error({.what = "the page that shows runs is not built", .hint = hint});

@@ -32,7 +32,7 @@ bool is_program(fs::path const& path) {
 
 /// Returns the directories of PATH. An empty entry means the working directory.
 std::vector<fs::path> directories() {
-  std::vector<fs::path> found{program_directory(), installation() / "bin"};
+  std::vector<fs::path> found{program_directory()};
   char const* const path = std::getenv("PATH");
   if (path == nullptr) return found;
   std::string_view rest = path;
@@ -51,11 +51,6 @@ fs::path program_directory() {
   std::error_code error;
   fs::path const self = fs::read_symlink("/proc/self/exe", error);
   return error ? fs::path("/usr/bin") : self.parent_path();
-}
-
-fs::path installation() {
-  fs::path const directory = program_directory();
-  return directory.filename() == "gridlock.scripts" ? directory / "../../../.." : directory / "..";
 }
 
 fs::path find_other_program(std::string const& word) {

@@ -10,12 +10,8 @@ namespace gridlock::cli {
 /// Returns the directory of this program; /usr/bin if the system does not provide it.
 std::filesystem::path program_directory();
 
-/// Returns the prefix of the installation, with bin and share: the directory above the program's, or the prefix if a
-/// wheel keeps programs in PREFIX/lib/pythonX.Y/site-packages/gridlock.scripts.
-std::filesystem::path installation();
-
-/// Returns the program `gridlock-WORD` in the directory of this program, the installation's bin or PATH; empty if there
-/// is none, or if the word has characters other than letters, digits, - and _.
+/// Returns the program `gridlock-WORD` in the directory of this program or PATH; empty if there is none, or if the word
+/// has characters other than letters, digits, - and _.
 ///
 /// The prefix is always `gridlock-`, whatever the name of this program, so that programs with additional models find
 /// gridlock-plot and programs of users too. Files that are not executable are skipped, as in a shell.

@@ -57,15 +57,6 @@ TEST_F(OtherProgram, BesideTheProgramOrOnThePathIsRun) {
   EXPECT_EQ(begin({"greet"}, "links/gridlock").wait().out, "beside\n");
 }
 
-TEST_F(OtherProgram, OfAWheelWithItsLibrariesIsFoundAmongTheScriptsOfItsPrefix) {
-  std::string const programs = "env/lib/python3.11/site-packages/gridlock.scripts";
-  fs::create_directories(workplace_ / programs);
-  fs::create_directories(workplace_ / "env/bin");
-  fs::copy_file(GRIDLOCK_PROGRAM, workplace_ / programs / "gridlock");
-  add_script("env/bin/gridlock-greet", "#!/bin/sh\necho of the wheel\n");
-  EXPECT_EQ(begin({"greet"}, programs + "/gridlock").wait().out, "of the wheel\n");
-}
-
 TEST_F(OtherProgram, GetsTheOtherWordsAsTheyAre) {
   add_script("path/gridlock-print_it", print_arguments);
   Outcome const outcome =

@@ -543,21 +543,6 @@ TEST_F(View, WithoutAPageSaysHowItIsBuilt) {
   EXPECT_NE(installed.out.find("ssh -N -L "), std::string::npos) << installed.out;
 }
 
-TEST_F(View, OfAWheelWithItsLibrariesHasThePageBelowItsPrefix) {
-  make_run();
-  fs::path const programs = workplace_ / "env/lib/python3.11/site-packages/gridlock.scripts";
-  fs::create_directories(programs);
-  fs::create_directories(workplace_ / "env/share/gridlock/web");
-  write(workplace_ / "env/share/gridlock/web/index.html", "of the wheel");
-  fs::copy_file(fs::path(GRIDLOCK_PROGRAM).parent_path() / "gridlock-view", programs / "gridlock-view");
-  Process const process((programs / "gridlock-view").string(), {"results", "--no-open"}, workplace_.path());
-  wait_for(workplace_ / ".stdout");
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  process.signal(SIGTERM);
-  Outcome const outcome = process.wait();
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-}
-
 TEST_F(View, OpensTheBrowserOfADesktop) {
   make_run();
   fs::create_directories(workplace_ / "path");
