@@ -44,9 +44,9 @@ def name_newest(site, names, address):
     for name in names:
         for page in pages_of(site / name):
             file = site / name / page
-            text = re.sub(r'<link rel="canonical"[^>]*>\n?', "", file.read_text())
-            link = f'<link rel="canonical" href="{html.escape(f"{address}/{newest[page]}/{page}")}">\n'
-            file.write_text(text.replace("<head>\n", f"<head>\n{link}", 1))
+            text = re.sub(r'<link rel="canonical"[^>]*>', "", file.read_text())
+            link = f'<link rel="canonical" href="{html.escape(f"{address}/{newest[page]}/{page}")}">'
+            file.write_text(text.replace("<head>", f"<head>{link}", 1))
     locations = "".join(f"<url><loc>{html.escape(f'{address}/{names[0]}/{page}')}</loc></url>\n" for page in pages_of(site / names[0]))
     (site / "sitemap.xml").write_text('<?xml version="1.0" encoding="UTF-8"?>\n<urlset xmlns="http://www.sitemaps.org/schemas/sitemap/0.9">\n'
                                       f"{locations}</urlset>\n")

@@ -168,7 +168,7 @@ test("every page names its address in the newest version that has it, and the ma
   try {
     for (const [name, pages] of [["v0.1.0", ["index", "old"]], ["v0.2.0", ["index"]], ["main", ["index", "new"]]] as const) {
       mkdirSync(join(site, name));
-      for (const page of pages) writeFileSync(join(site, name, `${page}.html`), "<head>\n<title>a page</title>\n</head>\n");
+      for (const page of pages) writeFileSync(join(site, name, `${page}.html`), "<html>\n  <head><meta charset=\"utf-8\"/>\n<title>a page</title>\n</head>\n");
     }
     // The second time takes the place of the first.
     for (const at of ["https://before.org", "https://example.org/gridlock"]) {
