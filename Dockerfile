@@ -10,9 +10,9 @@ WORKDIR /source
 RUN ./dev package
 
 FROM debian:bookworm-slim
-COPY --from=build /source/build-program/*.deb /tmp/
+COPY --from=build /source/build-program/*.deb /packages/
 RUN apt-get update -qq \
- && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /tmp/*.deb ffmpeg \
- && rm -rf /tmp/*.deb /var/lib/apt/lists/*
+ && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /packages/*.deb ffmpeg \
+ && rm -rf /packages /var/lib/apt/lists/*
 WORKDIR /work
 ENTRYPOINT ["gridlock"]
