@@ -12,7 +12,6 @@ class Gridlock < Formula
 
   depends_on "cairo"
   depends_on "cli11"
-  depends_on "cpp-httplib"
   depends_on "eigen"
   depends_on "fmt"
   depends_on "hdf5"
@@ -35,6 +34,7 @@ class Gridlock < Formula
     resource("random123").stage buildpath/"random123"
     arguments = %W[
       -DGRIDLOCK_MPI=OFF
+      -DGRIDLOCK_VIEW=OFF
       -DGRIDLOCK_BUILD_TESTS=OFF
       -DGRIDLOCK_BUILD_BENCHMARKS=OFF
       -DGRIDLOCK_UNITY_BUILD=ON

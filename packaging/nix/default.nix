@@ -34,10 +34,10 @@ pkgs.stdenv.mkDerivation {
     zlib
     eigen
     libhwy
-    httplib
   ];
   cmakeFlags = [
     "-DGRIDLOCK_MPI=OFF"
+    "-DGRIDLOCK_VIEW=OFF"
     "-DGRIDLOCK_BUILD_TESTS=OFF"
     "-DGRIDLOCK_BUILD_BENCHMARKS=OFF"
     "-DGRIDLOCK_UNITY_BUILD=ON"
