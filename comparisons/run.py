@@ -35,6 +35,7 @@ ENTRIES = ROOT / "comparisons/ABMFrameworksComparison"
 CPP = ROOT / "build/benchmarks/gridlock_bench_public_comparison"
 MODELS = {"WolfSheep": "wolfsheep", "Flocking": "flocking", "Schelling": "schelling", "ForestFire": "forestfire"}
 BEFORE_FOREST_FIRE_WENT = "c448691^"
+MARK = ".made_by_gridlock"  # a file in the copy of the clone
 RESULTS = ROOT / "benchmarks/results/public_comparison.csv"
 PAGE = ROOT / "docs/reference/other_codes.md"
 # Mesa 3.2.0 and Ark.jl 0.4.0 to Agents.jl 6.2.10; README.md of the comparison, 22 February 2026.
@@ -51,10 +52,13 @@ def changed(path, pattern, replacement):
 def copy_of(comparison, runs):
     """A copy of the clone with our entries, in which every program makes so many runs."""
     work = comparison.parent / f"{comparison.name}_with_gridlock"
+    if work.exists() and not (work / MARK).exists():
+        sys.exit(f"{work} is there, and not made by this program; move it away")
     shutil.rmtree(work, ignore_errors=True)
     shutil.copytree(comparison, work, symlinks=True, ignore=shutil.ignore_patterns(".git"))
     packed = subprocess.run(["git", "archive", BEFORE_FOREST_FIRE_WENT, "ForestFire"], cwd=comparison, stdout=subprocess.PIPE, check=True).stdout
     tarfile.open(fileobj=io.BytesIO(packed)).extractall(work)
+    (work / MARK).touch()
     shutil.rmtree(work / "ForestFire/Mason")
     shutil.copytree(ENTRIES, work, dirs_exist_ok=True)
     mended = work / "WolfSheep/Mesa/benchmark_mended.py"
@@ -138,6 +142,8 @@ def main():
     if not options.table:
         if not options.comparison:
             parser.error("which clone of the comparison?")
+        if not (options.comparison / "WolfSheep").is_dir():
+            parser.error(f"{options.comparison} is no clone of the comparison")
         work = copy_of(options.comparison.resolve(), options.runs)
         least = {}
         for _ in range(options.rounds):

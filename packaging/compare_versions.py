@@ -101,6 +101,9 @@ def main():
     parser.add_argument("new", nargs="?", default="HEAD")
     parser.add_argument("--new", dest="lists_new", action="store_true", help="list what is new as well")
     options = parser.parse_args()
+    for commit in options.old, options.new:
+        if subprocess.run(["git", "-C", root, "rev-parse", "--quiet", "--verify", f"{commit}^{{commit}}"], capture_output=True).returncode:
+            parser.error(f"this repository has no commit {commit}")
     for kind, find in kinds.items():
         old, new = find(options.old), find(options.new)
         print(f"## {kind}: {len(old)} before, {len(new)} now, {len(new.keys() - old.keys())} new\n")

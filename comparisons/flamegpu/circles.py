@@ -48,6 +48,8 @@ class Circles(gridlock.Model):
 
 
 def main():
+    if not all(word.isdigit() and int(word) > 0 for word in sys.argv[1:]):
+        sys.exit("usage: circles.py [AGENTS…]")
     print("agents,milliseconds_a_step,nanoseconds_a_neighbor")
     for count in [int(word) for word in sys.argv[1:]] or [10_000]:
         side = math.sqrt(count)
