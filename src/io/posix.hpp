@@ -35,9 +35,10 @@ inline bool is_still_named(int descriptor, std::filesystem::path const& path) {
 namespace gridlock {
 
 constexpr int O_CLOEXEC = O_NOINHERIT;
-constexpr int O_DIRECTORY = 0;
-constexpr int O_NOFOLLOW = 0;
-constexpr int O_NONBLOCK = 0;
+// Flags that open() below takes and does nothing with.
+constexpr int O_DIRECTORY = 1 << 27;
+constexpr int O_NOFOLLOW = 1 << 28;
+constexpr int O_NONBLOCK = 1 << 29;
 constexpr int F_DUPFD_CLOEXEC = 0;
 constexpr int LOCK_EX = 2;
 constexpr int LOCK_NB = 4;
