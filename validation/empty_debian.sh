@@ -1,5 +1,5 @@
-# An empty Debian 12 in $root, within the folder $directory, and the way to the network as this machine has it. validation/fresh.sh and
-# packaging/image read this file.
+# An empty Debian 12 in $root, within the folder $directory, and the way to the network as this machine has it. validation/fresh.sh, packaging/image
+# and packaging/libraries_for read this file.
 
 # The mirror that this machine takes its packages from, where it is a Debian 12 too.
 mirror() { apt-get indextargets --format '$(CODENAME) $(REPO_URI)' 'Created-By: Packages' 2>/dev/null | sed -n 's/^bookworm //p' | head -n 1; }
