@@ -7,7 +7,7 @@
 
 #include <charconv>
 
-namespace std {  // NOLINT(cert-dcl58-cpp): the missing part of it
+namespace std {  // NOLINT(cert-dcl58-cpp): the function belongs here, and is missing
 
 inline from_chars_result from_chars(char const* first, char const* last, double& value) {
   auto const [end, error] = fast_float::from_chars(first, last, value);

@@ -13,7 +13,7 @@ here = pathlib.Path(__file__).resolve().parent
 root = here.parent
 sections = ["Summary", "Statement of need", "State of the field", "Software design", "Research impact statement", "AI usage disclosure",
             "Acknowledgements", "References"]
-least_words, most_words = 750, 1750
+min_words, max_words = 750, 1750
 number = re.compile(r"(?<![\w.])\d[\d.,]*(?:·10)?[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*(?<![.,])")
 
 
@@ -46,8 +46,8 @@ def faults_of_form(text):
     found = re.findall(r"^# (.*)$", body, re.MULTILINE)
     if found != sections:
         yield f"the sections are {found}, not {sections}"
-    if not least_words <= len(body.split()) <= most_words:
-        yield f"{len(body.split())} words, not {least_words} to {most_words}"
+    if not min_words <= len(body.split()) <= max_words:
+        yield f"{len(body.split())} words, not {min_words} to {max_words}"
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ namespace gridlock {
 namespace {
 
 constexpr std::size_t buffer_size = std::size_t{256} * 1024;
-constexpr std::size_t most_at_once = std::size_t{1} << 30;  ///< bytes in one call; no system takes more than 2 GB
+constexpr std::size_t max_bytes_at_once = std::size_t{1} << 30;  ///< no system takes more than 2 GB in one call
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
@@ -171,7 +171,8 @@ void AtomicFile::commit(std::filesystem::path const& previous) {
 
 void AtomicFile::write_out(std::string_view text) {
   while (!text.empty()) {
-    ssize_t const written = write(descriptor_, text.data(), static_cast<unsigned>(std::min(text.size(), most_at_once)));
+    ssize_t const written =
+        write(descriptor_, text.data(), static_cast<unsigned>(std::min(text.size(), max_bytes_at_once)));
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail(errno);
     text.remove_prefix(static_cast<std::size_t>(written));
@@ -247,7 +248,8 @@ FileReader::FileReader(std::filesystem::path path)
 
 std::size_t FileReader::read(std::span<char> into) {
   while (true) {
-    ssize_t const got = ::read(file_.number(), into.data(), static_cast<unsigned>(std::min(into.size(), most_at_once)));
+    ssize_t const got =
+        ::read(file_.number(), into.data(), static_cast<unsigned>(std::min(into.size(), max_bytes_at_once)));
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno != EINTR) refuse_reading(path_, reason(errno), "");
   }
