@@ -7,7 +7,7 @@ import { createRequire } from "node:module";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { File as Hdf5File, ready } from "h5wasm/node";
-import type { Browser, Page } from "playwright-core";
+import type { Browser, Download, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test, vi } from "vitest";
 
 import { servePage, startBrowser } from "../support/browser.ts";
@@ -72,11 +72,22 @@ async function goTo(frame: number): Promise<void> {
   await slider().fill(String(frame));
 }
 
+/** Waits until a frame is drawn: the status may name it a moment before. */
+async function drawn(): Promise<void> {
+  await page.waitForFunction(() => (globalThis as unknown as { gridlockViewer: { shown: unknown } }).gridlockViewer.shown !== undefined);
+}
+
+/** What an item of the menu Save gives. */
+async function save(item: string): Promise<Download> {
+  await drawn();
+  await page.getByRole("button", { name: "Save" }).click();
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("menuitem", { name: item }).click()]);
+  return download;
+}
+
 /** Where an agent is on the screen. */
 async function placeOf(row: number): Promise<{ x: number; y: number }> {
-  // The status may name a frame a moment before it is shown.
-  const isShown = () => (globalThis as unknown as { gridlockViewer: { shown: unknown } }).gridlockViewer.shown !== undefined;
-  while (!(await page.evaluate(isShown))) await page.waitForTimeout(30);
+  await drawn();
   const at = await page.evaluate((row) => {
     const viewer = (globalThis as unknown as { gridlockViewer: { drawing: any; shown: any } }).gridlockViewer;
     const { columns } = viewer.shown;
@@ -239,10 +250,7 @@ describe("A finished run", () => {
     await page.goto(address);
     await seen("frame 1 of 4");
     const saved = async (item: string): Promise<{ name: string; bytes: Buffer }> => {
-      const download = page.waitForEvent("download");
-      await page.getByRole("button", { name: "Save" }).click();
-      await page.getByRole("menuitem", { name: item }).click();
-      const file = await download;
+      const file = await save(item);
       return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
     };
     const png = await saved("Picture, PNG");
@@ -315,10 +323,7 @@ describe("A run with walls inside the box", () => {
     for (const [path, count] of [["walled", 1], ["walled/trajectory.h5", 1], ["walled_end", 1], ["walled_end/final.xyz", 0], ["results", 0]] as const) {
       await page.goto(await place.view(path));
       await seen("frame 1 of");
-      const shown = page.waitForEvent("download");
-      await page.getByRole("button", { name: "Save" }).click();
-      await page.getByRole("menuitem", { name: "Picture, SVG" }).click();
-      const svg = readFileSync(await (await shown).path(), "utf8");
+      const svg = readFileSync(await (await save("Picture, SVG")).path(), "utf8");
       expect(svg.match(/stroke-width="2"/g)?.length ?? 0, path).toBe(count);
     }
   });
