@@ -104,12 +104,4 @@ std::string_view edges_in_words(Box const& box) {
   return box.is_periodic_x() ? "x-periodic, y-walled" : "x-walled, y-periodic";
 }
 
-double image_inside(double p, double side) {
-  if (p >= 0.0 && p < side) return p;
-  double image = std::fmod(p, side);
-  if (image < 0.0) image += side;
-  // −ε + side can round to side, which is the lower edge of the next image.
-  return image < side ? image : image - side;
-}
-
 }  // namespace gridlock

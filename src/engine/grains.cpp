@@ -126,7 +126,7 @@ void require_room_beside_walls(State const& state, std::span<WallSettings const>
   for (std::size_t i = 0; i < disks.size(); ++i) {
     Vector const p = position(disks, i);
     double const radius = disks.column<Radius>()[i];
-    obstacles.for_each_near(p, p, [&](std::uint32_t k) {
+    obstacles.view().for_each_near(p, p, [&](std::uint32_t k) {
       Obstacle const& wall = obstacles[k];
       double const distance = std::sqrt(squared_length(p - wall.nearest_to(p)));
       if (distance >= radius * (1.0 - rounding_at_walls) || is_fixed(disks, i)) return;

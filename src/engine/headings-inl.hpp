@@ -10,6 +10,7 @@
 
 #include <hwy/highway.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -63,7 +64,7 @@ class HeadingTurns {
   }
 
   template <std::size_t count>
-  static HWY_INLINE Float series(float const (&coefficients)[count], Float z) {
+  static HWY_INLINE Float series(std::array<float, count> const& coefficients, Float z) {
     Float sum = number(coefficients[0]);
     HWY_UNROLL(8)
     for (std::size_t k = 1; k < count; ++k) sum = hn::Add(hn::Mul(sum, z), number(coefficients[k]));
@@ -89,7 +90,7 @@ class HeadingTurns {
     Float const u = hn::Mul(to_float(hn::Or(hn::ShiftRight<1>(first), word(1))), number(Series::two_to_minus_31));
     Float const x = hn::Mul(to_float(second), number(Series::pi_by_two_to_32));
     Float const root = hn::Sqrt(hn::Abs(hn::Mul(number(2.0F), logarithm(u))));
-    return hn::Mul(root, hn::Mul(x, series(Series::sine, hn::Mul(x, x))));
+    return hn::Mul(root, hn::Mul(x, series(Series::sine(), hn::Mul(x, x))));
   }
 
   static HWY_INLINE Float logarithm(Float u) {
@@ -97,7 +98,7 @@ class HeadingTurns {
     Word const k = hn::ShiftRight<23>(hn::Sub(word(Series::bits_of_root_half + ((1U << 23U) - 1U)), bits));
     Float const m = as_number(hn::Add(bits, hn::ShiftLeft<23>(k)));
     Float const s = hn::Div(hn::Sub(m, number(1.0F)), hn::Add(m, number(1.0F)));
-    Float const sum = series(Series::logarithm, hn::Mul(s, s));
+    Float const sum = series(Series::logarithm(), hn::Mul(s, s));
     return hn::Sub(hn::Mul(hn::Mul(number(2.0F), s), sum), hn::Mul(to_float(k), number(Series::ln_2)));
   }
 
@@ -107,8 +108,8 @@ class HeadingTurns {
     Float const x = hn::Sub(hn::Sub(angle, hn::Mul(quarters, number(Series::quarter_high))),
                             hn::Mul(quarters, number(Series::quarter_low)));
     Float const z = hn::Mul(x, x);
-    Float const c = series(Series::cosine_near_zero, z);
-    Float const s = hn::Mul(x, series(Series::sine_near_zero, z));
+    Float const c = series(Series::cosine_near_zero(), z);
+    Float const s = hn::Mul(x, series(Series::sine_near_zero(), z));
     // The last two bits are the quarter: 1 and 3 exchange the two, 1 and 2 turn the sign of the cosine, 2 and 3 that of
     // the sine.
     Word const quarter = as_bits(shifted);

@@ -79,7 +79,7 @@ class HotDisks {
                 Obstacles const& walls) {
     TurnView of_all = view(box, settings, duration);
     if (settings.propulsion.is_on()) of_all.heading = &of_step;
-    if (!walls.empty()) of_all.walls = &walls;
+    of_all.walls = walls.view();
     return of_all;
   }
 

@@ -22,14 +22,6 @@ std::string to_text(Obstacle const& obstacle) {
   return fmt::format("the wall from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g})", from.x, from.y, to.x, to.y);
 }
 
-Vector Obstacle::nearest_to(Vector p) const {
-  Vector const along = to - from;
-  double const squared = squared_length(along);
-  if (!(squared > 0.0)) return from;
-  double const part = std::clamp(dot(p - from, along) / squared, 0.0, 1.0);
-  return part == 1.0 ? to : from + part * along;
-}
-
 Obstacles::Obstacles(Box const& box, std::span<Obstacle const> obstacles, double largest_radius) {
   // A factor above 1 covers the rounding of places and paths.
   auto const reach_of = [&](Obstacle const& obstacle) { return (obstacle.radius + largest_radius) * (1.0 + 1e-6); };
@@ -61,10 +53,11 @@ Obstacles::Obstacles(Box const& box, std::span<Obstacle const> obstacles, double
     double const farthest = reach + half_diagonal;
     auto const [left, right] = std::minmax(obstacle.from.x, obstacle.to.x);
     auto const [bottom, top] = std::minmax(obstacle.from.y, obstacle.to.y);
-    for_each_cell({left - reach, bottom - reach}, {right + reach, top + reach}, [&](int column, int row) {
+    Vector const lower{left - reach, bottom - reach};
+    view().for_each_cell(lower, {right + reach, top + reach}, [&](std::size_t of, int column, int row) {
       Vector const middle{(static_cast<double>(column) + 0.5) * cell.x, (static_cast<double>(row) + 0.5) * cell.y};
       if (squared_length(middle - obstacle.nearest_to(middle)) > farthest * farthest) return;
-      of_cell[cell_at(column, row)].push_back(k);
+      of_cell[of].push_back(k);
     });
   }
   begin_of_cell_.push_back(0);

@@ -19,7 +19,9 @@ void require_room_for_turns(EngineSettings const& settings, State const& state);
 void require_disks(std::uint64_t count);
 
 /// Returns whether a sub-step is shorter than a contact distance, so that it cannot jump over a disk.
-inline bool is_short(double squared_displacement, double contact) { return squared_displacement < contact * contact; }
+constexpr bool is_short(double squared_displacement, double contact) {
+  return squared_displacement < contact * contact;
+}
 
 /// As require_room_for_turns(), without overlaps, for a process with `some` of all disks and the problems of all rows.
 void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all,

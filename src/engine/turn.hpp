@@ -24,7 +24,7 @@ struct alignas(64) DiskInTurn {
   std::uint32_t id_index;      ///< index in the order of the Ids
   std::uint32_t row_in_state;  ///< row of the disk in the state
 
-  [[nodiscard]] bool is_fixed() const { return gridlock::is_fixed(mass); }
+  [[nodiscard]] constexpr bool is_fixed() const { return gridlock::is_fixed(mass); }
 };
 static_assert(sizeof(DiskInTurn) == 64);
 
@@ -46,20 +46,20 @@ struct TurnView {
   /// The step of self-propelled disks, whose headings turn before their turn and which keep their velocities where they
   /// halt; nullptr for others.
   HeadingStep const* heading = nullptr;
-  Obstacles const* walls = nullptr;  ///< walls inside the box; nullptr where there are none
+  ObstaclesView walls = {};  ///< walls inside the box
 
-  [[nodiscard]] bool is_propelled() const { return heading != nullptr; }
+  [[nodiscard]] constexpr bool is_propelled() const { return heading != nullptr; }
 };
 
 /// The nearest disk that overlaps a trial point, ties to the lower Id. This choice does not depend on the order of
 /// visits, so the trajectory does not depend on the grid.
 class Partner {
  public:
-  Partner(TurnView const& view, std::size_t turning, Vector trial)
+  constexpr Partner(TurnView const& view, std::size_t turning, Vector trial)
       : view_(view), turning_(turning), radius_(view.disks[turning].radius), trial_(trial) {}
 
   /// Looks at one candidate; the moving disk itself is ignored.
-  void consider(std::size_t candidate) {
+  constexpr void consider(std::size_t candidate) {
     if (candidate == turning_) return;
     ++checks_;
     DiskInTurn const& other = view_.disks[candidate];
@@ -72,9 +72,9 @@ class Partner {
     }
   }
 
-  [[nodiscard]] bool exists() const { return nearest_ < std::numeric_limits<double>::infinity(); }
-  [[nodiscard]] std::size_t index() const { return partner_; }
-  [[nodiscard]] std::uint64_t checks() const { return checks_; }
+  [[nodiscard]] constexpr bool exists() const { return nearest_ < std::numeric_limits<double>::infinity(); }
+  [[nodiscard]] constexpr std::size_t index() const { return partner_; }
+  [[nodiscard]] constexpr std::uint64_t checks() const { return checks_; }
 
  private:
   TurnView const& view_;
@@ -88,7 +88,7 @@ class Partner {
 
 /// Reverses the velocity component that would carry a disk through a wall at `trial`, except that of a self-propelled
 /// disk. Returns whether it hits a wall.
-inline bool hits_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Counters& counters) {
+constexpr bool hits_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Counters& counters) {
   Box const& box = view.box;
   if (box.is_periodic()) return false;
   double const r = disk.radius;
@@ -112,7 +112,7 @@ inline bool hits_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Coun
 }
 
 /// Reverses the part of a disk's velocity along b. Returns the change of the velocity.
-inline Vector reflect_along(Vector b, DiskInTurn& disk) {
+constexpr Vector reflect_along(Vector b, DiskInTurn& disk) {
   Vector const change = (-2.0 * dot(disk.velocity, b) / squared_length(b)) * b;
   disk.velocity = disk.velocity + change;
   return change;
@@ -121,14 +121,14 @@ inline Vector reflect_along(Vector b, DiskInTurn& disk) {
 /// Reflects a disk from the nearest wall inside the box that it overlaps at `trial`, ties to the first one, along the
 /// line to that wall at the start of the sub-step; a self-propelled disk keeps its velocity. Returns whether it hits a
 /// wall. No sub-step is as long as a diameter, so that none goes through a wall.
-[[gnu::cold]] inline bool hits_inner_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Vector displacement,
-                                          Counters& counters) {
+[[gnu::cold]] constexpr bool hits_inner_wall(TurnView const& view, DiskInTurn& disk, Vector trial, Vector displacement,
+                                             Counters& counters) {
   if (disk.is_fixed()) return false;
   double const contact = disk.radius * (1.0 - rounding_at_walls);
   double nearest = contact * contact;
   Obstacle const* wall = nullptr;
-  view.walls->for_each_near(trial, trial, [&](std::uint32_t k) {
-    Obstacle const& other = (*view.walls)[k];
+  view.walls.for_each_near(trial, trial, [&](std::uint32_t k) {
+    Obstacle const& other = view.walls[k];
     double const squared = squared_length(other.nearest_to(trial) - trial);
     if (!(squared < nearest || (squared == nearest && &other < wall))) return;
     nearest = squared;
@@ -144,8 +144,8 @@ inline Vector reflect_along(Vector b, DiskInTurn& disk) {
 }
 
 /// Reflects a disk from a fixed one as from a disk of infinite mass; see collide().
-[[gnu::cold]] inline void reflect_from_fixed(Box const& box, DiskInTurn& self, DiskInTurn const& fixed,
-                                             Counters& counters) {
+[[gnu::cold]] constexpr void reflect_from_fixed(Box const& box, DiskInTurn& self, DiskInTurn const& fixed,
+                                                Counters& counters) {
   Vector const b = box.displacement_inside(self.position, fixed.position);
   Vector const change = reflect_along(b, self);
   ++counters.pair_collisions;
@@ -155,7 +155,7 @@ inline Vector reflect_along(Vector b, DiskInTurn& disk) {
 /// Applies the elastic rule along b = r_j − r_i at the present positions:
 ///     Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b,   Δv_j = +(2 m_i / (m_i + m_j)) (w·b / b²) b,   w = v_i − v_j,
 /// It reverses the normal part of the relative velocity in the centre-of-mass frame and keeps momentum and energy.
-inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters& counters) {
+constexpr void collide(TurnView const& view, std::size_t i, std::size_t j, Counters& counters) {
   if (view.is_propelled()) {
     ++counters.pair_collisions;
     return;
@@ -189,7 +189,7 @@ enum class EdgeOfTurn { may_be_met, is_far };
 /// search(partner) must call partner.consider(j) for every disk j that could overlap the trial point; visiting more
 /// disks, or any order, gives the same bits.
 template <EdgeOfTurn edge = EdgeOfTurn::may_be_met, class Search>
-void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search search) {
+constexpr void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search search) {
   ++counters.moves;
   // The position stays in registers until the turn is over, which saves an access to memory in every sub-step.
   DiskInTurn& disk = view.disks[i];
@@ -220,7 +220,7 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
       }
       // Wrapping rounds, so it comes before the overlap check: the position that is kept must be the one checked.
       trial = view.box.wrap(trial, trial_crossed_x, trial_crossed_y);
-      if (view.walls != nullptr && hits_inner_wall(view, disk, trial, displacement, counters)) {
+      if (!view.walls.empty() && hits_inner_wall(view, disk, trial, displacement, counters)) {
         ++counters.halted_moves;
         break;
       }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "grid/lane_bits.hpp"
 #include "grid/require.hpp"
 
 namespace gridlock {
@@ -79,7 +78,8 @@ void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& 
         PairBuffer::Pair* pair = buffer.room_for(PackedGrid::slots * max_at_once);
         for (SeenBlock const& other : seen.subspan(first, std::min(max_at_once, seen.size() - first))) {
           LocalPoint const p{home->x[s] + other.shift_x, home->y[s] + other.shift_y};
-          pair = write_pairs(home->agent[s], *other.block, near_slots(*other.block, p, limit) & allowed, pair);
+          unsigned const near = PackedGrid::near_bits(*other.block, p, limit);
+          pair = write_pairs(home->agent[s], *other.block, near & allowed, pair);
           allowed = ~0U;
         }
         buffer.keep_until(pair);
@@ -109,7 +109,7 @@ void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer) {
       LocalPoint const p{home.x[s], home.y[s]};
       std::uint32_t const agent = home.agent[s];
       auto const add = [&](Block const& block, LocalPoint seen, unsigned allowed) {
-        pair = write_pairs(agent, block, near_slots(block, seen, limit) & allowed, pair);
+        pair = write_pairs(agent, block, PackedGrid::near_bits(block, seen, limit) & allowed, pair);
       };
       add(home, p, later_slots[s]);
       add(blocks.east, {p.x - width, p.y}, ~0U);

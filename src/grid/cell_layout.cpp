@@ -44,12 +44,6 @@ CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows
   }
 }
 
-int CellLayout::index_from_outside(double p, double per_length, int count, double side, bool is_periodic) {
-  double const index = (is_periodic ? image_inside(p, side) : p) * per_length;
-  // Clamped before the conversion, which is undefined for a point far outside walls; max(0, NaN) is 0.
-  return static_cast<int>(std::min(std::max(0.0, index), static_cast<double>(count - 1)));
-}
-
 CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents, double cells_per_agent) {
   require_cutoff(cutoff);
   // Far fewer cells than agents would make long lists; far more would waste memory.

@@ -10,7 +10,6 @@
 namespace gridlock {
 
 static_assert(NeighbourGrid<PackedGrid>);
-static_assert(sizeof(PackedGrid::Block) == 64);
 
 namespace {
 
@@ -21,8 +20,7 @@ constexpr std::size_t max_blocks = std::size_t{1} << 30;
 PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
     : PackedGrid(layout, {.end_column = layout.columns(), .end_row = layout.rows()}, agents) {}
 
-PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::size_t agents)
-    : layout_(layout), window_(window) {
+PackedGeometry::PackedGeometry(CellLayout const& layout, CellWindow const& window) : layout_(layout), window_(window) {
   int const columns = layout.columns();
   int const rows = layout.rows();
   bool const has_all_columns = window.end_column - window.first_column >= columns;
@@ -53,20 +51,32 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   locals_per_length_ = 1.0 / longer;
   local_width_ = static_cast<float>(layout.cell_width() / longer);
   local_height_ = static_cast<float>(layout.cell_height() / longer);
-  Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = columns, .row = rows};
+}
+
+PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window_of_cells, std::size_t agents)
+    : PackedGeometry(layout, window_of_cells) {
+  Block empty{.x = {},
+              .y = {},
+              .agent = {},
+              .next = none,
+              .count = 0,
+              .marks = 0,
+              .column = layout.columns(),
+              .row = layout.rows()};
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
-  blocks_.reserve(agents == 0 ? blocks_of_cells_ : max_blocks_for(agents));
-  for (std::size_t k = 0; k < first_of_cells; ++k) blocks_.push_back(empty);
+  blocks_.reserve(agents == 0 ? blocks_of_cells() : max_blocks_for(agents));
+  for (std::ptrdiff_t k = 0; k < blocks_in_row() + 1; ++k) blocks_.push_back(empty);
   // Cells of the window have their numbers in the box; empty cells beside the window have numbers of no cell in it.
   auto const in_box = [&](int index, int end, int all) {
     if (index == end) return all;
     return index < 0 ? index + all : index >= all ? index - all : index;
   };
-  for (int row = window_.first_row; row <= window_.end_row; ++row) {
-    for (int column = window_.first_column; column <= window_.end_column; ++column) {
-      empty.column = in_box(column, window_.end_column, columns);
-      empty.row = in_box(row, window_.end_row, rows);
+  CellWindow const& of = window();
+  for (int row = of.first_row; row <= of.end_row; ++row) {
+    for (int column = of.first_column; column <= of.end_column; ++column) {
+      empty.column = in_box(column, of.end_column, layout.columns());
+      empty.row = in_box(row, of.end_row, layout.rows());
       blocks_.push_back(empty);
     }
   }
@@ -84,7 +94,7 @@ PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std:
     if (i >= ahead) put(i - ahead, cell_point);
     if (i >= x.size()) continue;
     cell_point = cell_point_of({x[i], y[i]});
-    gridlock::prefetch(&blocks_[base_of(cell_point)]);
+    gridlock::prefetch(&blocks_[index_of(cell_point.column, cell_point.row)]);
   }
   size_ = x.size();
 }
@@ -97,17 +107,12 @@ void PackedGrid::grow(std::size_t agents) {
 
 std::size_t PackedGrid::max_blocks_for(std::size_t agents) const {
   // A cell of n > 4 agents has at most n/4 further blocks. All have memory, so blocks never move while threads work.
-  return blocks_of_cells_ + agents / slots + 1;
-}
-
-PackedGrid::CellPoint PackedGrid::cell_point_of(Vector p) const {
-  p = layout_.image_in_cell(p);
-  return {p, layout_.column_of(p.x), layout_.row_of(p.y)};
+  return blocks_of_cells() + agents / slots + 1;
 }
 
 void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
   assert(stores(cell_point.column, cell_point.row));
-  std::size_t const base_index = base_of(cell_point);
+  std::size_t const base_index = index_of(cell_point.column, cell_point.row);
   std::size_t index = base_index;
   if (blocks_[base_index].count == slots) {
     // Behind a full first block only the second can have a free slot: all further blocks are full.
@@ -200,11 +205,11 @@ void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) 
 
 bool PackedGrid::is_consistent() const {
   std::size_t found = 0;
-  for (std::size_t base = 0; base < blocks_of_cells_; ++base) {
+  for (std::size_t base = 0; base < blocks_of_cells(); ++base) {
     std::size_t position = 0;
     for (std::size_t index = base; index != none; index = blocks_[index].next, ++position) {
       Block const& block = blocks_[index];
-      bool const is_outside = block.column == layout_.columns() || block.row == layout_.rows();
+      bool const is_outside = block.column == layout().columns() || block.row == layout().rows();
       if (is_outside && (block.count != 0 || block.next != none)) return false;
       if (block.column != blocks_[base].column || block.row != blocks_[base].row) return false;
       // Only the last block of a chain of one, or the second of a longer chain, may have a free slot.

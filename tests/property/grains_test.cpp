@@ -44,7 +44,7 @@ struct GrainsCase {
   friend std::ostream& operator<<(std::ostream& out, GrainsCase const& c) { return out << c.name; }
 };
 
-std::vector<GrainsCase> cases() {
+std::vector<GrainsCase> grains_cases() {
   return {{.name = "inelastic", .edge = Edge::periodic, .restitution = 0.8},
           {.name = "inelastic_walls_mixture", .restitution = 0.7, .smallest_ratio = 0.3},
           {.name = "contact_time", .restitution = 0.5, .contact_time = 1e-3},
@@ -118,7 +118,7 @@ class Grains : public testing::TestWithParam<GrainsCase> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Cases, Grains, testing::ValuesIn(cases()), [](auto const& c) { return c.param.name; });
+INSTANTIATE_TEST_SUITE_P(Cases, Grains, testing::ValuesIn(grains_cases()), [](auto const& c) { return c.param.name; });
 
 TEST_P(Grains, HaveTheSameBitsHoweverTheRunIsCut) {
   for (std::uint64_t const seed : {1U, 2U}) {

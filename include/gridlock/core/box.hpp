@@ -45,14 +45,14 @@ class Box {
   Box(double width, double height, Edge edge) : Box(width, height, edge, edge) {}
   Box(double width, double height, Edge edge_x, Edge edge_y);
 
-  [[nodiscard]] double width() const { return width_; }
-  [[nodiscard]] double height() const { return height_; }
+  [[nodiscard]] constexpr double width() const { return width_; }
+  [[nodiscard]] constexpr double height() const { return height_; }
   [[nodiscard]] double area() const { return width_ * height_; }
   /// Returns the tilt xy/L_y; 0 for a rectangle.
   [[nodiscard]] double tilt() const { return shift_ / height_; }
   /// Returns xy, by which the images above are farther to the right.
-  [[nodiscard]] double shift() const { return shift_; }
-  [[nodiscard]] bool is_oblique() const { return shift_ != 0.0; }
+  [[nodiscard]] constexpr double shift() const { return shift_; }
+  [[nodiscard]] constexpr bool is_oblique() const { return shift_ != 0.0; }
   /// Returns this box with a tilt, which is brought between −½ L_x/L_y and ½ L_x/L_y by whole boxes.
   /// Errors: Error for a tilt that is not finite, and for a tilt other than 0 of a box that has walls.
   [[nodiscard]] Box tilted(double tilt) const { return shifted(tilt * height_); }
@@ -66,12 +66,12 @@ class Box {
   [[nodiscard]] double side() const;
   [[nodiscard]] Edge edge_x() const { return edge_x_; }
   [[nodiscard]] Edge edge_y() const { return edge_y_; }
-  [[nodiscard]] bool is_periodic_x() const { return edge_x_ == Edge::periodic; }
-  [[nodiscard]] bool is_periodic_y() const { return edge_y_ == Edge::periodic; }
+  [[nodiscard]] constexpr bool is_periodic_x() const { return edge_x_ == Edge::periodic; }
+  [[nodiscard]] constexpr bool is_periodic_y() const { return edge_y_ == Edge::periodic; }
   /// Returns whether the box is periodic along x and along y.
-  [[nodiscard]] bool is_periodic() const { return is_periodic_x() && is_periodic_y(); }
+  [[nodiscard]] constexpr bool is_periodic() const { return is_periodic_x() && is_periodic_y(); }
   /// Returns whether points have images: the box is periodic along x, along y, or along both.
-  [[nodiscard]] bool has_images() const { return is_periodic_x() || is_periodic_y(); }
+  [[nodiscard]] constexpr bool has_images() const { return is_periodic_x() || is_periodic_y(); }
   [[nodiscard]] bool has_walls() const { return !is_periodic(); }
   /// Return the distance between the images of a point; infinite between walls.
   [[nodiscard]] double period_x() const { return 2.0 * half_period_x_; }
@@ -90,7 +90,7 @@ class Box {
   }
 
   /// Returns the same bits as displacement() with less work, for two points inside the box.
-  [[nodiscard]] Vector displacement_inside(Vector from, Vector to) const {
+  [[nodiscard]] constexpr Vector displacement_inside(Vector from, Vector to) const {
     Vector d = to - from;
     if (has_images()) {
       // In a rectangle the shift is 0, which changes no bit of x.
@@ -106,7 +106,7 @@ class Box {
 
   /// Moves a point that is less than half a side beyond a periodic edge back into [0, width) or [0, height), and counts
   /// the edges crossed in `crossed_x` and `crossed_y` (+1 for the right or top edge). Between walls nothing changes.
-  [[nodiscard]] Vector wrap(Vector p, int& crossed_x, int& crossed_y) const {
+  [[nodiscard]] constexpr Vector wrap(Vector p, int& crossed_x, int& crossed_y) const {
     if (is_periodic_y()) {
       if (p.y >= height_) {
         p = {p.x - shift_, p.y - height_};
@@ -134,12 +134,12 @@ class Box {
 
  private:
   [[nodiscard, gnu::cold]] Vector displacement_of_images(Vector from, Vector to) const;
-  static double nearest_image(double d, double side, double half) {
+  static constexpr double nearest_image(double d, double side, double half) {
     if (d > half) return d - side;
     if (d < -half) return d + side;
     return d;
   }
-  static double into_range(double p, double side, int& crossed) {
+  static constexpr double into_range(double p, double side, int& crossed) {
     if (p >= side) {
       p -= side;
       ++crossed;
@@ -177,6 +177,12 @@ Box box_with_edges(double width, double height, std::uint64_t number);
 std::string_view edges_in_words(Box const& box);
 
 /// Returns the image in [0, side) of any finite coordinate; exact but for one rounding to the precision of the side.
-double image_inside(double p, double side);
+constexpr double image_inside(double p, double side) {
+  if (p >= 0.0 && p < side) return p;
+  double image = std::fmod(p, side);
+  if (image < 0.0) image += side;
+  // −ε + side can round to side, which is the lower edge of the next image.
+  return image < side ? image : image - side;
+}
 
 }  // namespace gridlock

@@ -69,7 +69,7 @@ inline Vector velocity(Disks const& disks, std::size_t i) {
 }
 
 /// Returns whether a disk of this mass never moves: the mass is infinite, and the velocity 0.
-inline bool is_fixed(double mass) { return mass == std::numeric_limits<double>::infinity(); }
+constexpr bool is_fixed(double mass) { return mass == std::numeric_limits<double>::infinity(); }
 inline bool is_fixed(Disks const& disks, std::size_t i) { return is_fixed(disks.column<Mass>()[i]); }
 
 /// Return the number of disks that are fixed.

@@ -78,7 +78,7 @@ Prediction Flight::first_of_obstacles(Index i, Prediction const& next, double ti
   Span const x = span_of(disk.x, disk.velocity_x, gravity_.x, time, next.time);
   Span const y = span_of(disk.y, disk.velocity_y, gravity_.y, time, next.time);
   Prediction first = next;
-  obstacles_->for_each_near({x.lower, y.lower}, {x.upper, y.upper}, [&](std::uint32_t k) {
+  obstacles_->view().for_each_near({x.lower, y.lower}, {x.upper, y.upper}, [&](std::uint32_t k) {
     double const touch = std::max(time, begin + time_to_touch((*obstacles_)[k], radius_of(i), path));
     bool const is_lower_tie = touch == first.time && first.partner >= first_obstacle &&
                               first_obstacle + k < first.partner && first.partner < vertical_border;

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "grid/lane_bits.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 
@@ -186,8 +185,8 @@ TEST(PackedGrid, NearSlotsAreThoseWithinTheLimit) {
                           .marks = 0,
                           .column = 0,
                           .row = 0};
-  EXPECT_EQ(near_slots(block, {0.1F, 0.2F}, 0.011F), 0b0001U);
-  EXPECT_EQ(near_slots(block, {0.1F, 0.2F}, 0.5F), 0b0011U);
+  EXPECT_EQ(PackedGrid::near_bits(block, {0.1F, 0.2F}, 0.011F), 0b0001U);
+  EXPECT_EQ(PackedGrid::near_bits(block, {0.1F, 0.2F}, 0.5F), 0b0011U);
 }
 
 TEST(PackedGrid, MarksStayWithTheirAgentsWhileThoseMoveThroughCrowdedCells) {

@@ -35,4 +35,16 @@ inline unsigned bits_of(Int4 comparison) {
 #endif
 }
 
+/// Returns the bits of four comparisons, four bits each, the first comparison lowest.
+inline unsigned bits_of(Int4 a, Int4 b, Int4 c, Int4 d) {
+#if defined(__SSE2__)
+  auto const as_vector = [](Int4 v) { return reinterpret_cast<__m128i>(v); };
+  __m128i const low = _mm_packs_epi32(as_vector(a), as_vector(b));
+  __m128i const high = _mm_packs_epi32(as_vector(c), as_vector(d));
+  return static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+#else
+  return bits_of(a) | bits_of(b) << 4 | bits_of(c) << 8 | bits_of(d) << 12;
+#endif
+}
+
 }  // namespace gridlock

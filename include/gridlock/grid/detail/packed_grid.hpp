@@ -18,6 +18,7 @@
 #include "gridlock/grid/detail/agent_pairs.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/float4.hpp"
+#include "gridlock/grid/detail/packed_cells.hpp"
 
 namespace gridlock {
 
@@ -47,31 +48,8 @@ namespace gridlock {
 /// for each further four agents of a cell and for each empty cell at the edges; and 4 bytes for each agent.
 /// Contract: an agent is inserted once before it is moved or erased (asserted), and moved whenever its position
 /// changes.
-class PackedGrid {
+class PackedGrid : public PackedGeometry {
  public:
-  static constexpr std::size_t slots = 4;
-
-  struct alignas(64) Block {
-    std::array<float, slots> x;  ///< position in the cell; `nowhere` in an empty slot
-    std::array<float, slots> y;
-    std::array<std::uint32_t, slots> agent;
-    std::uint32_t next;   ///< the next block of this cell, or none
-    std::uint16_t count;  ///< number of agents, which are in the first slots
-    /// Flags for the caller. Bit s moves with the agent in slot s, and is cleared when an agent enters. The grid sets
-    /// `changed` in the first block of a cell whenever an agent enters or leaves the cell, and no other bits.
-    std::uint16_t marks;
-    std::int32_t column;
-    std::int32_t row;
-  };
-  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-  static constexpr std::uint16_t changed = 0x8000;  ///< a bit of Block::marks
-
-  /// A position relative to the lower left corner of a cell, in units of the longer side of a cell.
-  struct LocalPoint {
-    float x;
-    float y;
-  };
-
   PackedGrid() = default;
   /// Makes a grid with room for agents 0 … agents − 1; reserve() later would take up to twice the memory.
   explicit PackedGrid(CellLayout const& layout, std::size_t agents = 0);
@@ -81,11 +59,9 @@ class PackedGrid {
   /// Errors: Error for lists of different lengths, and for coordinates that are not finite.
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
-  [[nodiscard]] CellLayout const& layout() const { return layout_; }
-  [[nodiscard]] CellWindow const& window() const { return window_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Returns the number of blocks besides one for each cell, also those no longer in use.
-  [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
+  [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells(); }
   /// Returns whether some cell has more than one block. If other threads move agents meanwhile, the answer is right for
   /// all cells that they do not change.
   [[nodiscard]] bool has_further_blocks() const {
@@ -94,7 +70,7 @@ class PackedGrid {
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < place_.size() && place_[agent] != none; }
   [[nodiscard]] int cell_of(std::size_t agent) const {
     Block const& block = block_of(agent);
-    return block.row * layout_.columns() + block.column;
+    return block.row * layout().columns() + block.column;
   }
 
   void reserve(std::size_t agents) {
@@ -156,10 +132,10 @@ class PackedGrid {
   }
   /// Before insert(): prefetch the cell of a point.
   void prefetch_cell_of(Vector p) const {
-    gridlock::prefetch(&blocks_[index_of(layout_.column_of(p.x), layout_.row_of(p.y))]);
+    gridlock::prefetch(&blocks_[index_of(layout().column_of(p.x), layout().row_of(p.y))]);
   }
   void prefetch_second_block_of(Vector p) const {
-    Block const& block = blocks_[index_of(layout_.column_of(p.x), layout_.row_of(p.y))];
+    Block const& block = blocks_[index_of(layout().column_of(p.x), layout().row_of(p.y))];
     if (block.next != none) gridlock::prefetch(&blocks_[block.next]);
   }
 
@@ -167,11 +143,8 @@ class PackedGrid {
   void move(std::size_t agent, Vector p) {
     assert(contains(agent));
     Block& block = block_of(agent);
-    // Differences in [0, 1) are exact, so that this test gives the same cell as column_of() and row_of().
-    double const x = p.x * layout_.columns_per_length() - block.column;
-    double const y = p.y * layout_.rows_per_length() - block.row;
-    if ((x >= 0.0) & (x < 1.0) & (y >= 0.0) & (y < 1.0)) {
-      LocalPoint const inside{static_cast<float>(x) * local_width_, static_cast<float>(y) * local_height_};
+    LocalPoint inside;
+    if (is_in(block.column, block.row, p, inside)) {
       write_lanes(block, place_[agent] % slots, inside);
     } else {
       move_to_cell(agent, p);
@@ -187,21 +160,15 @@ class PackedGrid {
 
   template <class Visit>
   void for_each_in_cell(int cell, Visit visit) const {
-    for_each_block(base_of(cell), [&](Block const& block) {
+    for_each_block(index_of(cell), [&](Block const& block) {
       for (std::uint32_t s = 0; s < block.count; ++s) visit(static_cast<std::size_t>(block.agent[s]));
     });
-  }
-
-  [[nodiscard]] bool stores(int column, int row) const {
-    return stored(column, window_.first_column, window_.end_column, layout_.columns()) <
-               window_.end_column - window_.first_column &&
-           stored(row, window_.first_row, window_.end_row, layout_.rows()) < window_.end_row - window_.first_row;
   }
 
   /// Calls visit(agent) for every agent of the block of cells around `cell`, the 3×3 block for reach 1, 1.
   template <class Visit>
   void for_each_in_block(int cell, int reach_columns, int reach_rows, Visit visit) const {
-    layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
+    layout().for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
   }
 
   /// Calls visit(j) once for every agent nearer to p than `cutoff`, and for a few farther ones, in the order of
@@ -241,47 +208,17 @@ class PackedGrid {
     return {.block = &blocks_[place / slots], .slot = static_cast<std::uint32_t>(place % slots)};
   }
   /// Returns the first block of a cell. Contract: the cell is in the window, or an empty cell beside it.
-  [[nodiscard]] Block const& block_at(int column, int row) const {
-    return blocks_[static_cast<std::size_t>(row * static_cast<std::ptrdiff_t>(stride_) + column - first_)];
-  }
+  [[nodiscard]] Block const& block_at(int column, int row) const { return blocks_[index_at(column, row)]; }
   [[nodiscard]] Block& block_at(int column, int row) {
     return const_cast<Block&>(std::as_const(*this).block_at(column, row));
   }
-  [[nodiscard]] Block const& empty_block() const { return block_at(window_.end_column, window_.first_row); }
+  [[nodiscard]] Block const& empty_block() const { return block_at(window().end_column, window().first_row); }
+  /// Returns all blocks, first those of the cells; `next` is an index of this array.
+  [[nodiscard]] std::span<Block const> blocks() const { return blocks_; }
+  /// Returns for each agent the index of its block times `slots`, plus its slot.
+  [[nodiscard]] std::span<std::uint32_t const> places() const { return place_; }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
   [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
-  /// Returns the number of blocks from a cell to the cell above it. Neighbours are this far and one block away, except
-  /// across periodic edges.
-  [[nodiscard]] std::ptrdiff_t blocks_in_row() const { return static_cast<std::ptrdiff_t>(stride_); }
-  /// Return the next column or row for block_at(): that of an empty cell beyond a wall, and an index beyond the box if
-  /// the window continues there across a periodic edge.
-  [[nodiscard]] int column_left_of(int column) const { return column == 0 ? left_of_first_ : column - 1; }
-  [[nodiscard]] int column_right_of(int column) const {
-    return column + 1 == layout_.columns() ? right_of_last_ : column + 1;
-  }
-  [[nodiscard]] int row_below(int row) const { return row == 0 ? below_first_ : row - 1; }
-  [[nodiscard]] int row_above(int row) const { return row + 1 == layout_.rows() ? above_last_ : row + 1; }
-
-  [[nodiscard]] double locals_per_length() const { return locals_per_length_; }
-  /// Return the width and the height of a cell in units of its longer side.
-  [[nodiscard]] float local_width() const { return local_width_; }
-  [[nodiscard]] float local_height() const { return local_height_; }
-
-  /// Returns the position of a point relative to a cell less than a few cells away.
-  [[nodiscard]] LocalPoint local(Vector p, int column, int row) const {
-    return {static_cast<float>(p.x * layout_.columns_per_length() - column) * local_width_,
-            static_cast<float>(p.y * layout_.rows_per_length() - row) * local_height_};
-  }
-
-  /// Returns an upper bound, despite rounding, on the squared local distance of pairs nearer than √squared_cutoff in
-  /// cells up to `cells` apart.
-  [[nodiscard]] float local_limit(double squared_cutoff, int cells = 1) const {
-    // Local coordinates have errors of about 1e-7 of the distance in cells: (a + b)² ≤ 1.001 a² + 1001 b².
-    double const error = 1e-6 * (cells + 1.0);
-    double const limit = 1.001 * squared_cutoff * locals_per_length_ * locals_per_length_ + 1001.0 * error * error;
-    return static_cast<float>(std::min(farthest_limit, limit));
-  }
-
   /// Returns true in the lanes of agents whose squared distance from `p` is at most `limit`; `p` is relative to the
   /// cell of the block.
   static Int4 is_near(Block const& block, LocalPoint p, float limit) {
@@ -289,16 +226,15 @@ class PackedGrid {
     Float4 const dy = load(block.y) - p.y;
     return dx * dx + dy * dy <= limit;
   }
+  /// Returns the lanes of is_near() as bits, for one block or for four with a point each.
+  static unsigned near_bits(Block const& block, LocalPoint p, float limit) { return bits_of(is_near(block, p, limit)); }
+  static unsigned near_bits(std::array<Block const*, 4> const& blocks, std::array<LocalPoint, 4> const& points,
+                            float limit) {
+    auto const near = [&](std::size_t k) { return is_near(*blocks[k], points[k], limit); };
+    return bits_of(near(0), near(1), near(2), near(3));
+  }
 
  private:
-  /// A coordinate far from every agent whose square is still finite.
-  static constexpr float nowhere = 1e18F;
-  /// A bound above every squared distance between two cells and below the squared distance to `nowhere`.
-  static constexpr double farthest_limit = 1e30;
-  /// A point farther than this outside its cell, which must be outside walls, is stored at this distance: that makes no
-  /// other agent seem farther from it.
-  static constexpr float farthest_outside = 2.0F;
-
   /// An array of blocks whose copies keep the capacity: threads that move agents must not make the array reallocate.
   class Blocks : public LargeArray<Block> {
    public:
@@ -331,27 +267,6 @@ class PackedGrid {
     std::atomic_flag flag_;
   };
 
-  /// Returns the index in a window of a column or row of the box; end − first for one outside the window.
-  static int stored(int index, int first, int end, int all) {
-    int k = index - first;
-    if (k < 0) {
-      k += all;
-    } else if (k >= all) {
-      k -= all;
-    }
-    return std::min(k, end - first);
-  }
-  /// Returns the index of the first block of a cell; that of an empty block for a cell outside the window.
-  [[nodiscard]] std::size_t index_of(int column, int row) const {
-    int const c = stored(column, window_.first_column, window_.end_column, layout_.columns());
-    int const r = stored(row, window_.first_row, window_.end_row, layout_.rows());
-    return static_cast<std::size_t>(r + 1) * stride_ + static_cast<std::size_t>(c + 1);
-  }
-  [[nodiscard]] std::size_t base_of(int cell) const {
-    int const row = cell / layout_.columns();
-    return index_of(cell - row * layout_.columns(), row);
-  }
-
   template <class Visit>
   void for_each_block(std::size_t base, Visit visit) const {
     Block const* block = &blocks_[base];
@@ -362,14 +277,7 @@ class PackedGrid {
     }
   }
 
-  /// Returns a coordinate in a cell limited to farthest_outside beyond the cell.
-  static float place(float p) {
-    p = p < -farthest_outside ? -farthest_outside : p;
-    return p > 1.0F + farthest_outside ? 1.0F + farthest_outside : p;
-  }
-  static void write_place(Block& block, std::uint32_t slot, LocalPoint p) {
-    write_lanes(block, slot, {place(p.x), place(p.y)});
-  }
+  static void write_place(Block& block, std::uint32_t slot, LocalPoint p) { write_lanes(block, slot, near_cell(p)); }
   static void write_lanes(Block& block, std::uint32_t slot, LocalPoint p) {
     store(block.x, with_lane(load(block.x), slot, p.x));
     store(block.y, with_lane(load(block.y), slot, p.y));
@@ -378,16 +286,6 @@ class PackedGrid {
   void grow(std::size_t agents);
   /// Returns a number of blocks that is enough for any positions of the agents.
   [[nodiscard]] std::size_t max_blocks_for(std::size_t agents) const;
-  /// A point (in a periodic box its image inside) with its cell.
-  struct CellPoint {
-    Vector p;
-    int column;
-    int row;
-  };
-  [[nodiscard]] CellPoint cell_point_of(Vector p) const;
-  [[nodiscard]] std::size_t base_of(CellPoint const& cell_point) const {
-    return index_of(cell_point.column, cell_point.row);
-  }
   void put(std::size_t agent, CellPoint const& cell_point);
   void take_out(std::size_t agent);
   void move_to_cell(std::size_t agent, Vector p);
@@ -395,15 +293,6 @@ class PackedGrid {
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);
 
-  CellLayout layout_;
-  CellWindow window_;
-  std::size_t stride_ = 0;
-  std::ptrdiff_t first_ = 0;         ///< row · stride_ + column of the first block
-  std::size_t blocks_of_cells_ = 0;  ///< one for each cell and each empty cell around them
-  int left_of_first_ = 0, right_of_last_ = 0, below_first_ = 0, above_last_ = 0;
-  double locals_per_length_ = 1.0;
-  float local_width_ = 1.0F;
-  float local_height_ = 1.0F;
   Blocks blocks_;                    ///< first one block for each cell, then further blocks
   LargeArray<std::uint32_t> place_;  ///< for each agent: block · slots + slot
   std::uint32_t first_free_ = none;  ///< head of the list of unused further blocks, linked by `next`
@@ -415,20 +304,20 @@ class PackedGrid {
 
 template <class Visit>
 void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const {
-  int const reach_columns = layout_.columns_within(cutoff);
-  int const reach_rows = layout_.rows_within(cutoff);
-  p = layout_.image_in_cell(p);
-  int const column = layout_.column_of(p.x);
-  int const row = layout_.row_of(p.y);
-  if (layout_.goes_around(reach_columns, reach_rows)) {
-    for_each_in_block(row * layout_.columns() + column, reach_columns, reach_rows, visit);
+  int const reach_columns = layout().columns_within(cutoff);
+  int const reach_rows = layout().rows_within(cutoff);
+  p = layout().image_in_cell(p);
+  int const column = layout().column_of(p.x);
+  int const row = layout().row_of(p.y);
+  if (layout().goes_around(reach_columns, reach_rows)) {
+    for_each_in_block(row * layout().columns() + column, reach_columns, reach_rows, visit);
     return;
   }
   float const limit = local_limit(cutoff * cutoff, std::max(reach_columns, reach_rows));
   LocalPoint const inside = local(p, column, row);
-  LocalPoint const here{place(inside.x), place(inside.y)};
-  bool const has_all_columns = window_.end_column - window_.first_column >= layout_.columns();
-  bool const has_all_rows = window_.end_row - window_.first_row >= layout_.rows();
+  LocalPoint const here = near_cell(inside);
+  bool const has_all_columns = window().end_column - window().first_column >= layout().columns();
+  bool const has_all_rows = window().end_row - window().first_row >= layout().rows();
   // All agents of a block are written, and only the count depends on distances: no branch to mispredict, see
   // PairBuffer.
   std::array<std::uint32_t, 64> found;
@@ -437,9 +326,9 @@ void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const 
     for (std::size_t k = 0; k < count; ++k) visit(static_cast<std::size_t>(found[k]));
     count = 0;
   };
-  layout_.for_each_cell_seen_from(column, row, reach_columns, reach_rows, [&](CellLayout::CellSeen cell) {
-    LocalPoint const seen{here.x - static_cast<float>(cell.to_the_right) * local_width_,
-                          here.y - static_cast<float>(cell.up) * local_height_};
+  layout().for_each_cell_seen_from(column, row, reach_columns, reach_rows, [&](CellLayout::CellSeen cell) {
+    LocalPoint const seen{here.x - static_cast<float>(cell.to_the_right) * local_width(),
+                          here.y - static_cast<float>(cell.up) * local_height()};
     int const seen_column = has_all_columns ? cell.column : column + cell.to_the_right;
     int const seen_row = has_all_rows ? cell.row : row + cell.up;
     for (Block const* block = &block_at(seen_column, seen_row);; block = &blocks_[block->next]) {

@@ -17,7 +17,7 @@ struct RowBlock {
   std::size_t candidates = 0;  ///< number of rows in all ranges
   bool is_at_edge = true;      ///< whether distances may cross a periodic edge
 
-  [[nodiscard]] std::span<RowRange const> ranges() const { return std::span(rows).first(count); }
+  [[nodiscard]] constexpr std::span<RowRange const> ranges() const { return std::span(rows).first(count); }
 };
 
 /// Makes the blocks around the cells of a layout; first_of(column, row) returns the first row of a cell, and
@@ -25,10 +25,10 @@ struct RowBlock {
 template <class FirstOf>
 class RowBlocks {
  public:
-  RowBlocks(CellLayout const& layout, FirstOf first_of) : layout_(layout), first_of_(first_of) {}
+  constexpr RowBlocks(CellLayout const& layout, FirstOf first_of) : layout_(layout), first_of_(first_of) {}
 
   /// Returns the 3×3 block around a cell, with no cell twice.
-  [[nodiscard]] RowBlock around(int column, int row) const {
+  [[nodiscard]] constexpr RowBlock around(int column, int row) const {
     int const rows = layout_.rows();
     RowBlock block{.is_at_edge = is_at_edge(column, row)};
     if (!layout_.is_periodic_y()) {
@@ -43,7 +43,7 @@ class RowBlocks {
 
   /// Returns half of the block: the cell itself first, the cell to the right and those in the next row. Every pair of
   /// cells is in the half block of exactly one of the two cells. Contract: has_halves().
-  [[nodiscard]] RowBlock after(int column, int row) const {
+  [[nodiscard]] constexpr RowBlock after(int column, int row) const {
     int const columns = layout_.columns();
     int const rows = layout_.rows();
     RowBlock block{.is_at_edge = is_at_edge(column, row)};
@@ -59,26 +59,26 @@ class RowBlocks {
   }
 
   /// Returns whether no two cells are neighbours on two sides of a periodic box.
-  [[nodiscard]] bool has_halves() const {
+  [[nodiscard]] constexpr bool has_halves() const {
     return (!layout_.is_periodic_x() || layout_.columns() > 3) && (!layout_.is_periodic_y() || layout_.rows() > 3);
   }
 
  private:
-  [[nodiscard]] bool is_at_edge(int column, int row) const {
+  [[nodiscard]] constexpr bool is_at_edge(int column, int row) const {
     int const columns = layout_.columns();
     int const rows = layout_.rows();
     return column == 0 || column + 1 == columns || row == 0 || row + 1 == rows || columns < 4 || rows < 4;
   }
 
   /// Adds columns first … end − 1 of a row of cells.
-  void add(RowBlock& block, int row, int first, int end) const {
+  constexpr void add(RowBlock& block, int row, int first, int end) const {
     RowRange const range{first_of_(first, row), first_of_(end, row)};
     block.rows[block.count++] = range;
     block.candidates += range.end - range.first;
   }
 
   /// Adds the cells of a row in a column and the two next to it.
-  void add_row(RowBlock& block, int column, int row) const {
+  constexpr void add_row(RowBlock& block, int column, int row) const {
     int const columns = layout_.columns();
     if (!layout_.is_periodic_x() || (column > 0 && column + 1 < columns)) {
       add(block, row, std::max(0, column - 1), std::min(columns, column + 2));

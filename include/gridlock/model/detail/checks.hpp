@@ -22,7 +22,7 @@ inline bool is_inside(Box const& box, Vector p) {
 std::size_t find_outside(Box const& box, std::span<double const> x, std::span<double const> y);
 
 /// Returns whether each component of a displacement is shorter than the side of the box; false for NaN.
-inline bool is_shorter_than_box(Box const& box, Vector displacement) {
+constexpr bool is_shorter_than_box(Box const& box, Vector displacement) {
   return std::abs(displacement.x) < box.width() && std::abs(displacement.y) < box.height();
 }
 

@@ -22,7 +22,7 @@ struct Motion {
   Bounce bounce;
 };
 
-inline Motion motion(Box const& box, Vector p, Vector displacement) {
+constexpr Motion motion(Box const& box, Vector p, Vector displacement) {
   Motion motion{.end = p + displacement};
   motion.end = box.wrap(motion.end, motion.crossed_x, motion.crossed_y);
   if (box.is_periodic()) return motion;
