@@ -30,6 +30,7 @@ struct Epidemic {
   static constexpr std::string_view documentation = "Walkers that infect those near them and recover.";
   static constexpr Schedule schedule = Schedule::synchronous;
   static constexpr std::array<std::string_view, 4> events{"infections", "recoveries", "births", "deaths"};
+  static constexpr bool runs_on_device = true;
   enum State : std::uint32_t { susceptible, infected, recovered };
   using Agents = Population<X, Y, VelocityX, VelocityY, Health>;
 
@@ -102,13 +103,13 @@ struct Epidemic {
     return {p.x, p.y, v.x, v.y, number < sick ? infected : susceptible};
   }
 
-  void turn(Turn<Epidemic>& self) const {
-    RandomStream random = self.random();
-    std::uint32_t const health = self.get<Health>();
+  constexpr void turn(auto& self) const {
+    auto random = self.random();
+    std::uint32_t const health = self.template get<Health>();
     if (health == susceptible) {
       meet_others(self, random);
     } else if (health == infected && random.uniform() < recovery_rate * step_length) {
-      self.set<Health>(recovered);
+      self.template set<Health>(recovered);
       self.count(1);
     }
     walk(self, random);
@@ -126,26 +127,26 @@ struct Epidemic {
          .key = key});
   }
 
-  void meet_others(Turn<Epidemic>& self, RandomStream& random) const {
+  constexpr void meet_others(auto& self, auto& random) const {
     double escape = 1.0;
-    self.for_each_neighbour(radius, [&](Neighbour<Epidemic> const& other) {
-      if (other.get<Health>() == infected) escape *= 1.0 - infection_rate * step_length;
+    self.for_each_neighbour(radius, [&](auto const& other) {
+      if (other.template get<Health>() == infected) escape *= 1.0 - infection_rate * step_length;
     });
     if (escape < 1.0 && random.uniform() >= escape) {
-      self.set<Health>(infected);
+      self.template set<Health>(infected);
       self.count(0);
     }
   }
 
-  void walk(Turn<Epidemic>& self, RandomStream& random) const {
-    Vector v{self.get<VelocityX>(), self.get<VelocityY>()};
+  constexpr void walk(auto& self, auto& random) const {
+    Vector v{self.template get<VelocityX>(), self.template get<VelocityY>()};
     if (random.uniform() < turning_rate * step_length) v = speed * direction(2.0 * std::numbers::pi * random.uniform());
     Bounce const bounce = self.move_by(step_length * v);
-    self.set<VelocityX>(bounce.x ? -v.x : v.x);
-    self.set<VelocityY>(bounce.y ? -v.y : v.y);
+    self.template set<VelocityX>(bounce.x ? -v.x : v.x);
+    self.template set<VelocityY>(bounce.y ? -v.y : v.y);
   }
 
-  void come_and_go(Turn<Epidemic>& self, RandomStream& random) const {
+  constexpr void come_and_go(auto& self, auto& random) const {
     if (random.uniform() < turnover_rate * step_length && self.population() < most_agents) {
       Vector const v = speed * direction(2.0 * std::numbers::pi * random.uniform());
       Vector const p = self.position();

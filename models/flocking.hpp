@@ -31,6 +31,7 @@ struct Flocking {
   static constexpr std::string_view name = "flocking";
   static constexpr std::string_view documentation = "Agents that turn to where their neighbours go.";
   static constexpr Schedule schedule = Schedule::synchronous;
+  static constexpr bool runs_on_device = true;
   using Agents = Population<X, Y, HeadingX, HeadingY>;
 
   std::uint64_t count = 400;
@@ -89,7 +90,7 @@ struct Flocking {
     return {p.x, p.y, heading.x, heading.y};
   }
 
-  void turn(Turn<Flocking>& self) const {
+  constexpr void turn(auto& self) const {
     if (rule == FlockingRule::vicsek) {
       align(self);
     } else {
@@ -108,33 +109,33 @@ struct Flocking {
   }
 
  private:
-  static Vector heading_of(auto const& agent) {
+  static constexpr Vector heading_of(auto const& agent) {
     return {agent.template get<HeadingX>(), agent.template get<HeadingY>()};
   }
-  static void turn_to(Turn<Flocking>& self, Vector heading) {
-    self.set<HeadingX>(heading.x);
-    self.set<HeadingY>(heading.y);
+  static constexpr void turn_to(auto& self, Vector heading) {
+    self.template set<HeadingX>(heading.x);
+    self.template set<HeadingY>(heading.y);
   }
 
-  void align(Turn<Flocking>& self) const {
+  constexpr void align(auto& self) const {
     // Drawn first, so that the processor computes it while it waits for the neighbours' memory.
-    RandomStream random = self.random();
+    auto random = self.random();
     Vector const turned = direction(noise * (random.uniform() - 0.5));
     Vector const heading = heading_of(self);
     Vector sum = heading;
-    self.for_each_neighbour(radius, [&](Neighbour<Flocking> const& other) { sum = sum + heading_of(other); });
+    self.for_each_neighbour(radius, [&](auto const& other) { sum = sum + heading_of(other); });
     double const length = std::sqrt(squared_length(sum));
     Vector const mean = length > 0.0 ? (1.0 / length) * sum : heading;
     turn_to(self, rotated(mean, turned));
     self.move_by(speed * heading);
   }
 
-  void flock(Turn<Flocking>& self) const {
+  constexpr void flock(auto& self) const {
     double neighbours = 0.0;
     Vector together;
     Vector apart;
     Vector along;
-    self.for_each_neighbour(radius, [&](Neighbour<Flocking> const& other) {
+    self.for_each_neighbour(radius, [&](auto const& other) {
       Vector const offset = other.separation();
       neighbours += 1.0;
       together = together + offset;

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <functional>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -23,6 +24,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/core/version.hpp"
+#include "gridlock/engine/device.hpp"
 #include "other_program.hpp"
 #include "usage_error.hpp"
 #include "verbs.hpp"
@@ -103,7 +105,12 @@ void add_other_programs(CLI::App& app) {
 /// Sets what the command lines of all programs of Gridlock have in common.
 void set_up_app(CLI::App& app, std::string const& name) {
   // target() is called for every command, so that an invalid name of instructions is refused before a run.
-  app.set_version_flag("--version", fmt::format("{} {}, instructions: {}", name, version(), to_text(target())));
+  std::string const instructions = to_text(target());
+  app.set_version_flag("--version", [name, instructions] {
+    std::string text = fmt::format("{} {}, instructions: {}", name, version(), instructions);
+    if (std::optional<DeviceInfo> const device = find_device()) text += fmt::format(", device: {}", device->name);
+    return text;
+  });
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);

@@ -188,20 +188,33 @@ def as_cutoff(cutoff: Any) -> float:
     return as_number(cutoff, "the cutoff", "use a positive length")
 
 
-def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> NDArray[np.uint32]:
+def as_device(device: Any, box: BoxLike) -> bool:
+    """Whether the graphics processor searches."""
+    if device not in ("cpu", "gpu"):
+        raise Error(f'the device is {device!r}\n  hint: use "cpu" for the cores, or "gpu" for a graphics processor')
+    if device == "gpu" and box is None:
+        raise Error("the graphics processor searches points in a box, and there is none\n"
+                    "  hint: give a box, such as Box(width, height, periodic=False)")
+    return bool(device == "gpu")
+
+
+def pairs(
+    points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1, device: str = "cpu"
+) -> NDArray[np.uint32]:
     """All pairs of points nearer than the cutoff, each once.
 
     :param points: shape (N, 2); float64 in one piece is read where it is, anything else is copied.
     :param cutoff: a length; pairs at exactly this distance are left out. In a periodic box at most half its shorter side.
     :param box: a :class:`Box`, ``(width, height)`` or a side of a periodic box; ``None`` for points in the open plane.
     :param threads: 0 for all cores. The result does not depend on it.
+    :param device: ``"gpu"`` for a graphics processor, in a package built for one; it needs a box, and the result is the same.
     :returns: shape (P, 2), the indices of the two points of each pair. ``i, j = pairs(...).T`` are arrays in one piece.
     :raises Error: for points that are not finite and cutoffs and boxes that cannot be searched.
 
     >>> pairs([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
     array([[0, 1]], dtype=uint32)
     """
-    return _core.pairs(as_points(points), as_cutoff(cutoff), as_box(box), as_threads(threads)).T
+    return _core.pairs(as_points(points), as_cutoff(cutoff), as_box(box), as_threads(threads), as_device(device, box)).T
 
 
 def pairs_of_disks(
@@ -234,7 +247,9 @@ def pairs_of_disks(
     return _core.pairs_of_disks(points, radii, reach, between_rims, values, as_threads(threads)).T
 
 
-def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> Neighbors:
+def neighbors(
+    points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1, device: str = "cpu"
+) -> Neighbors:
     """The neighbours of every point: all others nearer than the cutoff.
 
     Parameters and errors are those of :func:`pairs`.
@@ -245,4 +260,5 @@ def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads:
     >>> found.of(0)
     array([1], dtype=uint32)
     """
-    return Neighbors(*_core.neighbor_lists(as_points(points), as_cutoff(cutoff), as_box(box), as_threads(threads)))
+    found = _core.neighbor_lists(as_points(points), as_cutoff(cutoff), as_box(box), as_threads(threads), as_device(device, box))
+    return Neighbors(*found)

@@ -8,18 +8,29 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "gridlock/device/neighbour_lists.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 
 namespace gridlock::python {
 
 namespace {
 
-auto pairs(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads) {
+/// Returns whether a graphics processor searches: it was asked for, or GRIDLOCK_DEVICE asks for it. It searches boxes.
+bool is_on_device(bool is_asked_for, std::optional<BoxValues> const& box) {
+  return box && device_of(is_asked_for ? Device::gpu : Device::cpu) == Device::gpu;
+}
+
+auto pairs(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads,
+           bool device) {
   PointPairs found;
   {
     nb::gil_scoped_release const released;
-    found =
-        box ? find_pairs(box_of(*box), cutoff, view_of(points), threads) : find_pairs(cutoff, view_of(points), threads);
+    if (is_on_device(device, box)) {
+      found = find_pairs_on_device(box_of(*box), cutoff, view_of(points));
+    } else {
+      found = box ? find_pairs(box_of(*box), cutoff, view_of(points), threads)
+                  : find_pairs(cutoff, view_of(points), threads);
+    }
   }
   return array_of_pairs(std::move(found));
 }
@@ -37,12 +48,17 @@ auto pairs_of_disks(Points const& centers, Radii const& radius, double factor, d
   return array_of_pairs(std::move(found));
 }
 
-auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads) {
+auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads,
+                    bool device) {
   NeighbourLists found;
   {
     nb::gil_scoped_release const released;
-    found = box ? find_neighbour_lists(box_of(*box), cutoff, view_of(points), threads)
-                : find_neighbour_lists(cutoff, view_of(points), threads);
+    if (is_on_device(device, box)) {
+      found = find_neighbour_lists_on_device(box_of(*box), cutoff, view_of(points));
+    } else {
+      found = box ? find_neighbour_lists(box_of(*box), cutoff, view_of(points), threads)
+                  : find_neighbour_lists(cutoff, view_of(points), threads);
+    }
   }
   return arrays_of_lists(std::move(found));
 }
@@ -89,11 +105,12 @@ auto neighbor_sums(Ends const& ends, Indices const& indices, Rows const& values)
 }  // namespace
 
 void bind_grid(nb::module_& module) {
-  module.def("pairs", &pairs, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(), nb::arg("threads"));
+  module.def("pairs", &pairs, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(), nb::arg("threads"),
+             nb::arg("device"));
   module.def("pairs_of_disks", &pairs_of_disks, nb::arg("centers"), nb::arg("radius"), nb::arg("factor"),
              nb::arg("gap"), nb::arg("box"), nb::arg("threads"));
   module.def("neighbor_lists", &neighbor_lists, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(),
-             nb::arg("threads"));
+             nb::arg("threads"), nb::arg("device"));
   module.def("neighbor_sums", &neighbor_sums, nb::arg("ends"), nb::arg("indices"), nb::arg("values"));
 }
 

@@ -125,6 +125,27 @@ def test_bad_numbers_of_threads_are_refused(threads):
         gridlock.pairs([[0.1, 0.2]], 0.1, threads=threads)
 
 
+@pytest.mark.parametrize("box", BOXES[1:])
+@pytest.mark.parametrize("count", [0, 1, 500])
+def test_a_device_finds_what_the_cores_find(box, count):
+    points = np.random.default_rng(3).uniform(-1.0, 2.0, (count, 2))
+    try:
+        found = gridlock.pairs(points, 0.05, box, device="gpu")
+    except gridlock.Error as error:
+        assert "graphics processor" in str(error)  # a package that was built for none, or a machine that has none
+        return
+    assert np.array_equal(found, gridlock.pairs(points, 0.05, box))
+    lists = gridlock.neighbors(points, 0.05, box, device="gpu")
+    assert all(np.array_equal(a, b) for a, b in zip(lists, gridlock.neighbors(points, 0.05, box)))
+
+
+def test_bad_devices_are_refused():
+    with pytest.raises(gridlock.Error, match="the device is 'tpu'"):
+        gridlock.pairs([[0.1, 0.2]], 0.1, box=1.0, device="tpu")
+    with pytest.raises(gridlock.Error, match="there is none"):
+        gridlock.neighbors([[0.1, 0.2]], 0.1, device="gpu")
+
+
 def test_arrays_outlive_the_search():
     found = [gridlock.pairs(np.random.default_rng(k).random((100, 2)), 0.1, box=1.0) for k in range(100)]
     again = [gridlock.pairs(np.random.default_rng(k).random((100, 2)), 0.1, box=1.0) for k in range(100)]

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -169,6 +170,27 @@ std::vector<std::string> engine_kinds() {
   return kinds;
 }
 
+Device device_of(Device setting) {
+  char const* const wish = std::getenv("GRIDLOCK_DEVICE");
+  std::string_view const name = wish == nullptr ? "" : wish;
+  if (name == "gpu") return Device::gpu;
+  if (name.empty() || name == "cpu") return setting;
+  throw Error({.what = fmt::format("GRIDLOCK_DEVICE is \"{}\"", name),
+               .hint = "set it to gpu, for all runs that can use a graphics processor, or unset it"});
+}
+
+void require_room_on_device(std::size_t count, std::string_view things, std::size_t bytes) {
+  std::optional<DeviceInfo> const device = find_device();
+  if (!device || bytes <= device->free_memory) return;
+  double const share = static_cast<double>(device->free_memory) / static_cast<double>(bytes);
+  throw Error({.what = fmt::format("{} {} need {:.2f} GB on the graphics processor \"{}\", of which {:.2f} GB are free",
+                                   count, things, 1e-9 * static_cast<double>(bytes), device->name,
+                                   1e-9 * static_cast<double>(device->free_memory)),
+               .hint = fmt::format("use at most about {:.0f} {}, or engine.device = \"cpu\"",
+                                   std::floor(share * static_cast<double>(count)), things),
+               .key = "engine.device"});
+}
+
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
   EngineRecord const& record = engine_record(settings.kind);
   require_known(record, settings);
@@ -232,6 +254,7 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                                "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
              grids, settings.grid);
   describe_chains(settings.chains, settings.chain_length, visitor);
+  describe_device(settings, visitor);
   describe_threads(settings, visitor);
 }
 
@@ -242,6 +265,18 @@ void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
                      "all cores that the process may use.",
                  .max = 1024},
                 settings.threads);
+}
+
+void describe_device(EngineSettings& settings, SettingVisitor& visitor) {
+  static constexpr std::array<std::string_view, 2> devices{"cpu", "gpu"};
+  visit_enum(
+      visitor,
+      {.key = "device",
+       .documentation = "The processor of tiled and of the models flocking and epidemic: \"cpu\" is the cores of "
+                        "the machine, \"gpu\" a graphics processor, in a program built for it; both give the "
+                        "same bits. The environment variable GRIDLOCK_DEVICE = gpu is the same for all runs that "
+                        "can use one."},
+      devices, settings.device);
 }
 
 }  // namespace gridlock

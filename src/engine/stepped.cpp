@@ -135,7 +135,7 @@ namespace {
 std::string_view unused_because_of(EngineSettings const& settings, std::string_view setting) {
   // The packed grid chooses its own cells, so `cells` has no effect with it.
   if (setting == "cells") return settings.grid == GridKind::linked ? "" : "grid";
-  return setting == "audit_every" || setting == "threads" ? "kind" : "";
+  return setting == "audit_every" || setting == "threads" || setting == "device" ? "kind" : "";
 }
 
 /// Returns the cost of a move: few cells have many disks in each, and many cells take long to visit.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -10,7 +11,6 @@
 #include "engine/tiled/shared_engine.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/counters_of_step.hpp"
-#include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "packed_turns.hpp"
 #include "stepped.hpp"
@@ -19,48 +19,62 @@ namespace gridlock {
 
 namespace {
 
+/// Disks on a device leave their places in memory slowly; the machine sorts them for as long as many steps take.
+constexpr std::uint64_t steps_between_sorts_on_device = 2000;
+
 std::vector<std::uint32_t> all_tiles(Tiling const& tiling) {
   std::vector<std::uint32_t> tiles(tiling.tiles().size());
   std::iota(tiles.begin(), tiles.end(), 0U);
   return tiles;
 }
 
-/// Returns the object that takes the turns of all disks of a state.
-tiled::Steps steps_of(State const& state, tiled::TurnRule const& rule, CellLayout const& layout, Tiling const& tiling) {
-  std::vector<std::uint32_t> const tiles = all_tiles(tiling);
-  std::vector<std::uint32_t> const order =
-      tiled::CellOfTurn(layout, tiling, tiles).order(state.agents.size(), [&](std::size_t i) {
-        return position(state.agents, i);
-      });
-  return {
-      HotDisks(state, order), rule, layout, tiling, {.end_column = layout.columns(), .end_row = layout.rows()}, tiles};
+/// Returns the disks of a state in the order of memory: by cell, tile by tile.
+HotDisks disks_in_order(State const& state, CellLayout const& layout, Tiling const& tiling) {
+  return HotDisks(state, tiled::CellOfTurn(layout, tiling, all_tiles(tiling)).order(state.agents.size(), [&](auto i) {
+    return position(state.agents, i);
+  }));
 }
 
-/// Lets all disks take their turns. `for_each(parts, take)` calls take(part) for each part, in any order or at once.
-template <class ForEach>
-void take_step(tiled::Steps& steps, std::uint64_t step, std::vector<Tiling::Round> const& rounds, Counters& counters,
-               ForEach for_each) {
-  steps.begin_step(step);
-  for (Tiling::Round const& round : rounds) {
-    for_each(round.size(), [&](std::size_t part) { steps.take_part(round[part]); });
-  }
-  CountersOfStep of_step;
-  for (tiled::TileResult& result : steps.results()) {
-    // Disks too fast for their tile go in the order of tiles, because one may change the turn of the next.
-    for (std::uint32_t const i : result.not_local) steps.take_late(i, result);
-    result.not_local.clear();
-    of_step.add(result.counters);
-    result.counters = {};
-  }
-  of_step.add_to(counters);
-}
+/// Takes steps on the cores of the processor.
+class StepsOnCores final : public tiled::StepTaker {
+ public:
+  StepsOnCores(HotDisks&& disks, tiled::TurnRule const& rule, CellLayout const& layout, Tiling const& tiling,
+               std::vector<Tiling::Round> const& rounds, ThreadPool& threads)
+      : steps_(std::move(disks), rule, layout, tiling, {.end_column = layout.columns(), .end_row = layout.rows()},
+               all_tiles(tiling)),
+        rounds_(rounds),
+        threads_(threads) {}
 
-/// Throws RunFailure where a disk has become so fast that it could jump over another in a sub-step.
-void require_no_jumps(tiled::Steps const& steps, State const& state) {
-  for (tiled::TileResult const& result : steps.results()) {
-    if (result.too_fast) throw_long_substep(state, result.too_fast->row_in_state, result.too_fast->displacement);
+  void take_step(std::uint64_t step, Counters& counters) override {
+    steps_.begin_step(step);
+    for (Tiling::Round const& round : rounds_) {
+      threads_.for_each(round.size(), [&](std::size_t part) { steps_.take_part(round[part]); });
+    }
+    CountersOfStep of_step;
+    for (tiled::TileResult& result : steps_.results()) {
+      // Disks too fast for their tile go in the order of tiles, because one may change the turn of the next.
+      for (std::uint32_t const i : result.not_local) steps_.take_late(i, result);
+      result.not_local.clear();
+      of_step.add(result.counters);
+      result.counters = {};
+    }
+    of_step.add_to(counters);
   }
-}
+
+  [[nodiscard]] std::optional<tiled::TooFast> too_fast() const override {
+    for (tiled::TileResult const& result : steps_.results()) {
+      if (result.too_fast) return result.too_fast;
+    }
+    return std::nullopt;
+  }
+
+  void write_back(State& state) override { steps_.disks().write_back(state); }
+
+ private:
+  tiled::Steps steps_;
+  std::vector<Tiling::Round> const& rounds_;
+  ThreadPool& threads_;
+};
 
 }  // namespace
 
@@ -68,6 +82,7 @@ EngineRecord tiled_record() {
   return {.name = "tiled",
           .documentation = "the same moves in an order that all cores can share",
           .uses_threads = true,
+          .uses_device = true,
           .uses_processes = true,
           .bytes_per_disk = 232.0,
           .bytes_per_disk_of_checkpoint = 19.0,
@@ -84,9 +99,17 @@ EngineRecord tiled_record() {
 }
 
 TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
-    : settings_(settings), duration_(step_duration(settings, state)), box_(state.box), thread_pool_(settings.threads) {
+    : settings_(settings),
+      is_on_device_(device_of(settings.device) == Device::gpu),
+      duration_(step_duration(settings, state)),
+      box_(state.box),
+      thread_pool_(is_on_device_ ? 1 : settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
+  if (!is_on_device_) return;
+  require_device();
+  std::size_t const disks = state.agents.size();
+  require_room_on_device(disks, "disks", tiled::bytes_on_device(disks, layout_, tiling_));
 }
 
 void TiledEngine::require_valid(State const& state) const { require_room_for_turns(settings_, state); }
@@ -116,22 +139,30 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
   auto const is_before_stop = [&] { return !stop_condition.is_reached(state.clock, counters.pair_collisions); };
   bool is_stopped = false;
   while (is_before_stop() && !is_stopped) {
-    tiled::Steps steps = steps_of(state, rule_of(state), layout_, tiling_);
-    for (std::uint64_t n = 0; n < tiled::steps_between_sorts && is_before_stop() && !is_stopped; ++n) {
-      take_step(steps, state.clock.step, rounds_, counters,
-                [&](std::size_t parts, auto take) { thread_pool_.for_each(parts, take); });
-      try {
-        require_no_jumps(steps, state);
-      } catch (RunFailure const&) {
-        steps.disks().write_back(state);
-        throw;
+    std::unique_ptr<tiled::StepTaker> const steps = step_taker(state);
+    std::uint64_t const most = is_on_device_ ? steps_between_sorts_on_device : tiled::steps_between_sorts;
+    for (std::uint64_t n = 0; n < most && is_before_stop() && !is_stopped; ++n) {
+      steps->take_step(state.clock.step, counters);
+      if (std::optional<tiled::TooFast> const disk = steps->too_fast()) {
+        steps->write_back(state);
+        throw_long_substep(state, disk->row_in_state, disk->displacement);
       }
       ++state.clock.step;
       state.clock.time += duration_;
       is_stopped = stop_condition.stops_here();
     }
-    steps.disks().write_back(state);
+    steps->write_back(state);
   }
+}
+
+std::unique_ptr<tiled::StepTaker> TiledEngine::step_taker(State const& state) {
+  tiled::TurnRule const rule = rule_of(state);
+  HotDisks disks = disks_in_order(state, layout_, tiling_);
+  if (!is_on_device_) {
+    return std::make_unique<StepsOnCores>(std::move(disks), rule, layout_, tiling_, rounds_, thread_pool_);
+  }
+  set_speeds(rule.heading, disks.all());
+  return tiled::steps_on_device(disks, rule, layout_, tiling_, settings_.threads);
 }
 
 }  // namespace gridlock

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "engine/heading_columns.hpp"
+#include "engine/tiled/step_taker.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -34,8 +36,10 @@ class TiledEngine final : public Engine {
  private:
   void lay_out(State const& state);
   [[nodiscard]] tiled::TurnRule rule_of(State const& state) const;
+  [[nodiscard]] std::unique_ptr<tiled::StepTaker> step_taker(State const& state);
 
   EngineSettings settings_;
+  bool is_on_device_;
   double duration_;
   Box box_;  ///< the box that layout_ was made for
   CellLayout layout_;

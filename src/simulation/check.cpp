@@ -14,6 +14,7 @@
 #include "gridlock/core/error.hpp"
 #include "observe/unused_settings.hpp"
 #include "simulation/countable_time.hpp"
+#include "simulation/expected_work.hpp"
 #include "simulation/frame_schedule.hpp"
 #include "simulation/memory.hpp"
 
@@ -135,6 +136,10 @@ void check(Configuration const& configuration, IsGiven const& is_given, AllProce
 void require_shareable(Configuration const& configuration, std::size_t processes) {
   if (processes == 1) return;
   std::optional<Problem> problem = configuration.kind().not_shared(configuration);
+  if (!problem && uses_device(configuration)) {
+    problem = Problem{
+        .what = "a run on a graphics processor", .hint = "use gridlock run, or the cores", .key = "engine.device"};
+  }
   if (!problem) return;
   problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, processes);
   if (problem->hint.empty()) {

@@ -244,6 +244,9 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] bool uses_threads(Configuration const& configuration) const override {
     return engine_record(configuration.engine.kind).uses_threads;
   }
+  [[nodiscard]] bool can_use_device(Configuration const& configuration) const override {
+    return takes_steps(configuration) && engine_record(configuration.engine.kind).uses_device;
+  }
   [[nodiscard]] std::optional<Problem> not_shared(Configuration const& configuration) const override {
     if (!configuration.protocol.empty()) return Problem{.what = "a run with a [[protocol]]", .key = "protocol"};
     if (engine_record(configuration.engine.kind).uses_processes) return {};

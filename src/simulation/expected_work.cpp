@@ -27,6 +27,10 @@ bool takes_steps(Configuration const& configuration) {
   return configuration.protocol.empty() || run.steps.value_or(0) > 0 || run.time || run.collisions_per_disk;
 }
 
+bool uses_device(Configuration const& configuration) {
+  return configuration.kind().can_use_device(configuration) && device_of(configuration.engine.device) == Device::gpu;
+}
+
 bool uses_threads(Configuration const& configuration) { return configuration.kind().uses_threads(configuration); }
 
 std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for,

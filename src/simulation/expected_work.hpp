@@ -22,6 +22,9 @@ bool takes_steps(Configuration const& configuration);
 /// Returns whether a run becomes faster with more than one thread.
 bool uses_threads(Configuration const& configuration);
 
+/// Returns whether a graphics processor takes the steps of a run.
+bool uses_device(Configuration const& configuration);
+
 /// Returns the number of threads of a run in each of its processes: `asked_for`, or else the configured number.
 std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for = std::nullopt,
                          AllProcesses processes = {});

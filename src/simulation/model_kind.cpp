@@ -90,14 +90,18 @@ void blame_table(std::string_view model, std::function<void()> const& act) {
 std::string AgentsKind::title(Configuration const& /*configuration*/) const { return fmt::format("model {}", name()); }
 
 std::vector<SettingTable> AgentsKind::tables(Configuration& configuration) {
-  return {{"engine", "Of a model only the threads.",
-           [&](SettingVisitor& visitor) { describe_threads(configuration.engine, visitor); }},
+  return {{"engine", "Of a model only the threads and the device.",
+           [&](SettingVisitor& visitor) {
+             describe_device(configuration.engine, visitor);
+             describe_threads(configuration.engine, visitor);
+           }},
           {std::string(name()), std::string(documentation()),
            [this](SettingVisitor& visitor) { describe_model(visitor); }}};
 }
 
 std::string AgentsKind::unused_because_of(Configuration const& configuration, std::string_view key) const {
-  bool const is_used = !key.starts_with("engine.") || (key == "engine.threads" && uses_threads(configuration));
+  bool const is_used = !key.starts_with("engine.") || (key == "engine.threads" && uses_threads(configuration)) ||
+                       (key == "engine.device" && can_use_device(configuration));
   return is_used ? "" : fmt::format("model.kind = \"{}\"", name());
 }
 
@@ -142,7 +146,10 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
   if (!makes_start(attempts, "model.kind", options, setup.notes)) return;
   std::vector<std::string> notes;
   std::uint64_t const threads = threads_of(configuration, options.threads, options.processes);
-  setup.simulation = make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every},
+  setup.simulation = make(box, seed,
+                          {.threads = threads,
+                           .verify_every = configuration.model.verify_every,
+                           .is_on_device = uses_device(configuration)},
                           configuration.observe, notes, options.processes);
   for (std::string const& text : notes) {
     setup.notes.push_back({.kind = EventKind::note_of_model, .key = "model.kind", .values = {{"text", text}}});

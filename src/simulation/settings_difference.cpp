@@ -8,8 +8,6 @@ namespace gridlock {
 
 namespace {
 
-constexpr char const* threads_key = "engine.threads";
-
 void add_settings(TomlValue const& table, std::string const& prefix, SettingTexts& texts) {
   for (std::size_t k = 0; k < table.items.size(); ++k) {
     std::string const key = prefix + table.names[k];
@@ -29,6 +27,8 @@ std::string const& value_of(SettingTexts const& texts, std::string const& key) {
 
 }  // namespace
 
+bool affects_results(std::string_view key) { return key != "engine.threads" && key != "engine.device"; }
+
 SettingTexts setting_texts(std::string const& toml, std::string const& name) {
   SettingTexts texts;
   add_settings(parse_toml(toml, name), "", texts);
@@ -47,7 +47,7 @@ std::optional<SettingDifference> find_difference(SettingTexts const& here, Setti
     for (auto const& [key, value] : *texts) keys.insert(key);
   }
   for (std::string const& key : keys) {
-    if (key == threads_key || ignored.contains(key)) continue;
+    if (!affects_results(key) || ignored.contains(key)) continue;
     SettingDifference difference{.key = key, .here = value_of(here, key), .there = value_of(there, key)};
     if (difference.here != difference.there) return difference;
   }

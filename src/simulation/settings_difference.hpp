@@ -25,8 +25,11 @@ struct SettingDifference {
 /// Returns the keys of settings that may change when a run is lengthened.
 std::set<std::string> const& settings_of_length();
 
-/// Returns the first difference in alphabetical order; nothing if all settings agree. The `ignored` keys and
-/// engine.threads, which affects no result, are not compared.
+/// Returns whether a setting can change a result: all can but engine.threads and engine.device.
+bool affects_results(std::string_view key);
+
+/// Returns the first difference in alphabetical order; nothing if all settings agree. The `ignored` keys, and those
+/// that affect no result, are not compared.
 std::optional<SettingDifference> find_difference(SettingTexts const& here, SettingTexts const& there,
                                                  std::set<std::string> const& ignored = {});
 

@@ -71,7 +71,7 @@ Lines lines_of(fs::path const& file) {
 std::uint64_t hash_of_settings(std::string const& toml) {
   std::string text;
   for (auto const& [key, value] : setting_texts(toml, "config.resolved.toml")) {
-    if (key != "engine.threads") text += fmt::format("{} = {}\n", key, value);
+    if (affects_results(key)) text += fmt::format("{} = {}\n", key, value);
   }
   return hash_of_text(text);
 }

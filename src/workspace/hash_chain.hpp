@@ -24,7 +24,7 @@ struct HashLink {
   friend bool operator==(HashLink const&, HashLink const&) = default;
 };
 
-/// Returns the hash of all settings of a TOML text but engine.threads, which affects no result.
+/// Returns the hash of all settings of a TOML text that affect results.
 std::uint64_t hash_of_settings(std::string const& toml);
 
 /// Writes links as a table, each line with a hash of itself and all lines before it. Errors: RunFailure.

@@ -89,6 +89,9 @@ std::string summary_text(std::string const& versions, Configuration const& confi
   json["seed"] = frame.seed();
   json["model"] = configuration.model.kind;
   for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
+  if (uses_device(configuration)) {
+    if (std::optional<DeviceInfo> const device = find_device()) json["device"] = device->name;
+  }
   // The key is not "agents", since that is an average if the number of agents changes.
   json["agents_at_end"] = record.agents;
   for (FrameColumn const& column : frame.columns()) {

@@ -78,7 +78,7 @@ std::map<std::string, std::string> base_of(SettingsFile const& file, std::vector
   if (!sweeps_models) configuration.models.keep_only(configuration.model.kind);
   SettingTexts base = setting_texts(to_toml(describing(configuration)), "");
   for (SettingList const& list : lists) base.erase(list.key);
-  base.erase("engine.threads");
+  std::erase_if(base, [](auto const& setting) { return !affects_results(setting.first); });
   return base;
 }
 

@@ -27,6 +27,7 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"io", {"core", "parallel", "io"}},
     {"lattice", {"core", "parallel", "grid", "lattice"}},
     {"engine", {"core", "parallel", "grid", "engine"}},
+    {"device", {"core", "grid", "engine", "model", "models", "device"}},
     {"observe", {"core", "parallel", "grid", "observe"}},
     {"analysis", {"core", "parallel", "grid", "observe", "analysis"}},
     {"model", {"core", "parallel", "grid", "model"}},

@@ -37,6 +37,7 @@ struct Variant {
   std::uint64_t threads = 0;
   GridKind grid = GridKind::packed;
   std::size_t ranks = 1;
+  Device device = Device::cpu;
 };
 
 /// Returns the variants of an engine, the plain one first. What else is in the list does not depend on instructions,
@@ -44,7 +45,12 @@ struct Variant {
 std::vector<Variant> variants_of(std::string const& engine) {
   if (std::getenv("GRIDLOCK_TARGET") != nullptr) return {{.threads = 1}, {.threads = 3}};
   if (engine == "tiled") {
-    return {{.threads = 1}, {.threads = 2}, {.threads = 3}, {.threads = 8}, {.threads = 1, .ranks = 3}};
+    std::vector<Variant> tiled{
+        {.threads = 1}, {.threads = 2}, {.threads = 3}, {.threads = 8}, {.threads = 1, .ranks = 3}};
+    for (std::uint64_t const threads : {1, 3}) {
+      if (find_device()) tiled.push_back({.threads = threads, .device = Device::gpu});
+    }
+    return tiled;
   }
   if (engine == "stepped") return {{.grid = GridKind::packed}, {.grid = GridKind::linked}};
   return {{.threads = 1}, {.threads = 2}, {.threads = 3}};
@@ -57,6 +63,7 @@ Hashes run(Scene const& scene, std::string const& engine, Variant const& variant
   settings.kind = engine;
   settings.threads = variant.threads;
   settings.grid = variant.grid;
+  settings.device = variant.device;
   Counters counters;
   test::ThreadRanks ranks(variant.ranks);
   test::advance_on_ranks(settings, ranks, state, counters, {.time = scene.time});
@@ -102,7 +109,8 @@ TEST_P(Golden, GivesTheBitsOfTheTable) {
   Hashes const now = run(row.scene, row.engine, variants.front());
   for (Variant const& variant : std::span(variants).subspan(1)) {
     EXPECT_EQ(run(row.scene, row.engine, variant).end, now.end)
-        << variant.threads << " threads, " << variant.ranks << " ranks, grid " << static_cast<int>(variant.grid);
+        << variant.threads << " threads, " << variant.ranks << " ranks, grid " << static_cast<int>(variant.grid)
+        << ", device " << static_cast<int>(variant.device);
   }
   HashTable("hashes.csv").expect({row.scene.name, row.engine}, now);
 }

@@ -11,6 +11,7 @@
 
 #include "golden/model_scenes.hpp"
 #include "golden/table.hpp"
+#include "gridlock/model/detail/on_device.hpp"
 #include "model_on_ranks.hpp"
 #include "models/catalyst.hpp"
 #include "models/predation.hpp"
@@ -50,6 +51,23 @@ TEST(GoldenModels, ThoseOnRanksHaveTheSameBits) {
           HashTable("models.csv").expect({scene, std::string(std::remove_cvref_t<decltype(model)>::name)}, on_ranks);
         });
   }
+}
+
+TEST(GoldenModels, ThoseOnADeviceHaveTheSameBits) {
+  if (!find_device()) GTEST_SKIP() << "there is no graphics processor";
+  golden::for_each_shared_scene(
+      [&]<class Model>(std::string const& scene, Model const& model, Box const& box, std::uint64_t steps) {
+        if constexpr (runs_on_device<Model>()) {
+          for (std::uint64_t const threads : {1, 3}) {
+            SCOPED_TRACE(scene + ", " + std::to_string(threads) + " threads of a device");
+            Hashes const on_device = hashes_of(model, box, [&](World<Model>& world) {
+              Counters unused;
+              model_engine_on_device(model, box, {.threads = threads})->advance(world, unused, {.step = steps});
+            });
+            HashTable("models.csv").expect({scene, std::string(Model::name)}, on_device);
+          }
+        }
+      });
 }
 
 TEST(GoldenModels, CatalystWithEveryEvent) {

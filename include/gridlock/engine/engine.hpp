@@ -31,6 +31,7 @@
 #include "gridlock/core/pair_potential.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/vector.hpp"
+#include "gridlock/engine/device.hpp"
 #include "gridlock/engine/flow.hpp"
 #include "gridlock/engine/grains.hpp"
 #include "gridlock/engine/pair_drag.hpp"
@@ -148,6 +149,7 @@ struct EngineSettings {
   ChainKind chains = ChainKind::straight;     ///< event_chain: how disks move
   std::optional<std::uint64_t> chain_length;  ///< event_chain: contacts of a chain; default: 8 √N, 1,000 at most
   std::uint64_t threads = 0;                  ///< exact and tiled: number of threads; 0: one for each core
+  Device device = Device::cpu;                ///< tiled: the processor; device_of() says which is used
   ThermostatSettings thermostat = {};         ///< exact and soft: the settings `[thermostat]`
   CollisionSettings collisions = {};          ///< exact: the settings `[collisions]`
   GravitySettings gravity = {};               ///< exact: the settings `[gravity]`
@@ -159,8 +161,9 @@ struct EngineSettings {
   AllProcesses processes = {};                ///< tiled: processes that share the run; not set by a file
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
-/// Describes only the threads, the only setting of `[engine]` that models other than hard disks use.
+/// Describe only the threads or the device, the only settings of `[engine]` that models other than hard disks use.
 void describe_threads(EngineSettings& settings, SettingVisitor& visitor);
+void describe_device(EngineSettings& settings, SettingVisitor& visitor);
 
 /// An engine for hard disks.
 class Engine : public EngineFor<HardDisks> {
@@ -178,6 +181,7 @@ struct EngineRecord {
   std::string_view documentation;  ///< a description, which is printed after the name
   bool has_time_step = true;       ///< false: it is event-driven, and a run can end within a step
   bool uses_threads = false;
+  bool uses_device = false;                   ///< whether it runs on graphics processors
   bool uses_processes = false;                ///< whether it uses EngineSettings::processes
   bool has_free_flight = false;               ///< whether it uses thermostat, collisions and gravity of EngineSettings
   bool has_potential = false;                 ///< whether disks are soft: they may overlap, and nothing collides

@@ -53,6 +53,7 @@ namespace gridlock {
 struct ModelEngineSettings {
   std::uint64_t threads = 1;       ///< used by synchronous and tiled models; 0: one for each core
   std::uint64_t verify_every = 0;  ///< steps between comparisons of searches with brute force; 0: never
+  bool is_on_device = false;       ///< whether a graphics processor takes the steps of a model that can run there
 };
 
 template <class Model>

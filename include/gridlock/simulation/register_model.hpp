@@ -30,6 +30,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/model/detail/on_device.hpp"
 #include "gridlock/model/detail/shared_model_engine.hpp"
 #include "gridlock/simulation/detail/model_kind.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
@@ -114,6 +115,9 @@ class ModelKindOf final : public AgentsKind {
   [[nodiscard]] bool uses_threads(Configuration const& /*configuration*/) const override {
     return Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled;
   }
+  [[nodiscard]] bool can_use_device(Configuration const& /*configuration*/) const override {
+    return runs_on_device<Model>();
+  }
   void check(Configuration const& configuration) const override {
     Box const box = make_box(configuration.box);
     blame_table(Model::name, [&] {
@@ -188,6 +192,13 @@ class ModelKindOf final : public AgentsKind {
       require_fields(model_, world);
       require_networks(world);
     });
+    if constexpr (runs_on_device<Model>()) {
+      if (settings.is_on_device) {
+        std::unique_ptr<EngineFor<Model>> engine = model_engine_on_device(model_, world.box, settings);
+        engine->require_valid(world);
+        return engine;
+      }
+    }
     return std::make_unique<ModelEngine<Model>>(model_, world.box, settings);
   }
 

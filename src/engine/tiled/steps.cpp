@@ -12,11 +12,6 @@ namespace gridlock::tiled {
 
 namespace {
 
-/// Returns whether a tile is its own neighbour around a periodic box: cells three apart may share a neighbour.
-bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
-  return (layout.is_periodic_x() && tiling.columns() == 1) || (layout.is_periodic_y() && tiling.rows() == 1);
-}
-
 /// Returns the number of tiles that take turns together. Registers of one or two numbers are full with one tile, and
 /// copying the groups of more would cost up to 8 % of the time.
 std::size_t team_size() { return target() == Target::avx2 || target() == Target::avx512 ? Tiling::tiles_of_team : 1; }
@@ -30,6 +25,10 @@ PackedGrid grid_of_window(CellLayout const& layout, CellWindow const& window, Ho
 
 }  // namespace
 
+bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
+  return (layout.is_periodic_x() && tiling.columns() == 1) || (layout.is_periodic_y() && tiling.rows() == 1);
+}
+
 Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, Tiling const& tiling,
              CellWindow const& window, std::vector<std::uint32_t> tiles)
     : rule_(rule),
@@ -41,7 +40,7 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
             .substeps = rule.substeps,
             .contact = rule.contact,
             .heading = rule.heading.is_on() ? &heading_ : nullptr,
-            .walls = rule_.walls.empty() ? nullptr : &rule_.walls},
+            .walls = rule_.walls.view()},
       grid_(grid_of_window(layout, window, disks_)),
       turns_(view_, grid_, rule.radii, rule.duration),
       cutoff_(rule_.box, rule.radii.largest, rule.duration, rule.substeps),

@@ -30,6 +30,9 @@ struct TurnRule {
   Obstacles walls = {};  ///< walls inside the box
 };
 
+/// Returns whether a tile is its own neighbour around a periodic box: cells three apart may share a neighbour.
+bool goes_around_box(CellLayout const& layout, Tiling const& tiling);
+
 /// A disk that could jump over another in a sub-step.
 struct TooFast {
   std::uint32_t row_in_state;

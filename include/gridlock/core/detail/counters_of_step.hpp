@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
@@ -14,6 +15,10 @@ namespace gridlock {
 class CountersOfStep {
  public:
   void add(Counters const& of_tile);
+  /// Add sums of floating-point numbers, one of each tile.
+  void add_pair_virials(std::span<double const> of_tiles) { pair_virial_.add(of_tiles); }
+  void add_inner_wall_impulses(std::span<double const> of_tiles) { inner_wall_impulse_.add(of_tiles); }
+  void add_wall_impulses(std::size_t wall, std::span<double const> of_tiles) { wall_impulse_[wall].add(of_tiles); }
   /// Adds the counters of the tiles in `others`.
   void add(CountersOfStep const& others);
 

@@ -1,0 +1,133 @@
+#include "gridlock/device/neighbour_lists.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "device/backend.hpp"
+#include "device/neighbour_kernels.hpp"
+#include "device/scan.hpp"
+#include "device/sorted_points.hpp"
+#include "grid/require.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/stored_cells.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using namespace device;
+
+void require_room(std::size_t bytes, char const* what) {
+  DeviceInfo const device = find_device().value();
+  if (bytes <= device.free_memory) return;
+  throw Error({.what = std::string(what) + " need " + std::to_string(bytes) + " bytes on the graphics processor \"" +
+                       device.name + "\", of which " + std::to_string(device.free_memory) + " are free",
+               .hint = "use fewer points or a smaller cutoff, or search on the cores",
+               .key = "engine.device"});
+}
+
+std::vector<double> coordinates(double const* from, PointsInMemory const& points) {
+  std::vector<double> values(points.count);
+  for (std::size_t i = 0; i < points.count; ++i) values[i] = from[i * points.stride];
+  return values;
+}
+
+/// A search among points on the device.
+class Search {
+ public:
+  Search(Box const& box, double cutoff, CellLayout const& layout, PointsInMemory const& given)
+      : launcher_(0),
+        count_(given.count),
+        squared_cutoff_(cutoff * cutoff),
+        x_(std::span<double const>(coordinates(given.x, given))),
+        y_(std::span<double const>(coordinates(given.y, given))),
+        points_(launcher_, box, layout, count_) {
+    points_.sort(x_.data(), y_.data());
+    PointFaults const faults = points_.faults();
+    if (faults.not_finite > 0) require_points_in_memory(given);
+    bool const has_finer_cells = layout_for_crowd(box, cutoff, count_, layout).has_value();
+    are_crowd_ = has_finer_cells && is_crowd(faults.pairs_in_cells, count_);
+  }
+
+  /// Returns whether the cores would use finer cells.
+  [[nodiscard]] bool are_crowd() const { return are_crowd_; }
+
+  [[nodiscard]] PointPairs pairs() {
+    Array<std::uint64_t> begin(count_ + 1);
+    std::size_t const size = count<Partners::later>(begin).back();
+    require_room(2 * size * sizeof(std::uint32_t), "the pairs");
+    Array<std::uint32_t> indices(2 * size);
+    launcher_.for_each(
+        count_, WritePairs{points_.memory(), squared_cutoff_, begin.data(), indices.data(), indices.data() + size});
+    PointPairs found;
+    found.indices.resize(2 * size);
+    indices.download(found.indices);
+    return found;
+  }
+
+  [[nodiscard]] NeighbourLists lists() {
+    Array<std::uint64_t> begin(count_ + 1);
+    NeighbourLists lists{.begin = count<Partners::all>(begin), .neighbours = {}};
+    require_room(lists.begin.back() * sizeof(std::uint32_t), "the neighbours");
+    Array<std::uint32_t> neighbours(lists.begin.back());
+    launcher_.for_each(count_, WriteNeighbours{points_.memory(), squared_cutoff_, begin.data(), neighbours.data()});
+    lists.neighbours.resize(lists.begin.back());
+    neighbours.download(lists.neighbours);
+    return lists;
+  }
+
+ private:
+  /// Finds where the partners of each point or row begin.
+  template <Partners partners>
+  std::vector<std::uint64_t> count(Array<std::uint64_t>& begin) {
+    launcher_.for_each(count_, CountPartners<partners>{points_.memory(), squared_cutoff_, begin.data()});
+    sum_up(launcher_, begin, count_ + 1);
+    std::vector<std::uint64_t> found(count_ + 1);
+    begin.download(found);
+    return found;
+  }
+
+  Launcher launcher_;
+  std::size_t count_;
+  double squared_cutoff_;
+  Array<double> x_;
+  Array<double> y_;
+  SortedPoints points_;
+  bool are_crowd_ = false;
+};
+
+/// Returns found(points) of points on the device, or on_cores() where the device does not search.
+template <class Found, class OnCores>
+auto found_by_device(Box const& box, double cutoff, PointsInMemory const& points, Found found, OnCores on_cores) {
+  require_device();
+  require_bounded_cutoff(cutoff);
+  require_point_count(points.count);
+  require_box_for(box, cutoff);
+  CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);
+  bool const has_halves =
+      (!layout.is_periodic_x() || layout.columns() > 3) && (!layout.is_periodic_y() || layout.rows() > 3);
+  if (box.is_oblique() || !has_halves || points.count == 0) return on_cores();
+  require_room(SortedPoints::bytes(points.count, layout) + points.count * (2 * sizeof(double) + sizeof(std::uint64_t)),
+               "the points");
+  Search search(box, cutoff, layout, points);
+  return search.are_crowd() ? on_cores() : found(search);
+}
+
+}  // namespace
+
+PointPairs find_pairs_on_device(Box const& box, double cutoff, PointsInMemory const& points) {
+  return found_by_device(
+      box, cutoff, points, [](Search& search) { return search.pairs(); },
+      [&] { return find_pairs(box, cutoff, points, 0); });
+}
+
+NeighbourLists find_neighbour_lists_on_device(Box const& box, double cutoff, PointsInMemory const& points) {
+  return found_by_device(
+      box, cutoff, points, [](Search& search) { return search.lists(); },
+      [&] { return find_neighbour_lists(box, cutoff, points, 0); });
+}
+
+}  // namespace gridlock
