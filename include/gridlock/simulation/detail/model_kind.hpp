@@ -58,9 +58,9 @@ class ModelKind {
                                                       std::string_view key) const = 0;
   /// Returns whether more than one thread makes a run faster.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
-  /// Returns the part of a run that several processes cannot share, with its setting and a hint; nothing if they can.
   /// Returns whether a graphics processor can take the steps of a run.
   [[nodiscard]] virtual bool can_use_device(Configuration const& /*configuration*/) const { return false; }
+  /// Returns the part of a run that several processes cannot share, with its setting and a hint; nothing if they can.
   [[nodiscard]] virtual std::optional<Problem> not_shared(Configuration const& configuration) const;
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
   /// Returns whether a run can be given a length in collisions.
