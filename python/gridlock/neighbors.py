@@ -188,8 +188,10 @@ def as_cutoff(cutoff: Any) -> float:
     return as_number(cutoff, "the cutoff", "use a positive length")
 
 
-def as_device(device: Any, box: BoxLike) -> bool:
-    """Whether the graphics processor searches."""
+def as_device(device: Any, box: BoxLike) -> bool | None:
+    """Whether the graphics processor searches; ``None`` where the environment says it."""
+    if device is None:
+        return None
     if device not in ("cpu", "gpu"):
         raise Error(f'the device is {device!r}\n  hint: use "cpu" for the cores, or "gpu" for a graphics processor')
     if device == "gpu" and box is None:
@@ -199,7 +201,7 @@ def as_device(device: Any, box: BoxLike) -> bool:
 
 
 def pairs(
-    points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1, device: str = "cpu"
+    points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1, device: str | None = None
 ) -> NDArray[np.uint32]:
     """All pairs of points nearer than the cutoff, each once.
 
@@ -208,6 +210,7 @@ def pairs(
     :param box: a :class:`Box`, ``(width, height)`` or a side of a periodic box; ``None`` for points in the open plane.
     :param threads: 0 for all cores. The result does not depend on it.
     :param device: ``"gpu"`` for a graphics processor, in a package built for one; it needs a box, and the result is the same.
+        By default what the environment variable ``GRIDLOCK_DEVICE`` says, or the cores.
     :returns: shape (P, 2), the indices of the two points of each pair. ``i, j = pairs(...).T`` are arrays in one piece.
     :raises Error: for points that are not finite and cutoffs and boxes that cannot be searched.
 
@@ -248,7 +251,7 @@ def pairs_of_disks(
 
 
 def neighbors(
-    points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1, device: str = "cpu"
+    points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1, device: str | None = None
 ) -> Neighbors:
     """The neighbours of every point: all others nearer than the cutoff.
 

@@ -15,18 +15,18 @@ namespace gridlock::python {
 
 namespace {
 
-/// Returns whether a graphics processor searches: it was asked for, or GRIDLOCK_DEVICE asks for it. It searches boxes.
-bool is_on_device(bool is_asked_for, std::optional<BoxValues> const& box) {
-  return box && device_of(is_asked_for ? Device::gpu : Device::cpu) == Device::gpu;
+/// Returns whether a graphics processor searches. It searches boxes.
+bool is_on_device(std::optional<bool> wish, std::optional<BoxValues> const& box) {
+  return box && (wish ? *wish : device_of(Device::cpu) == Device::gpu);
 }
 
 auto pairs(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads,
-           bool device) {
+           std::optional<bool> device) {
   PointPairs found;
   {
     nb::gil_scoped_release const released;
     if (is_on_device(device, box)) {
-      found = find_pairs_on_device(box_of(*box), cutoff, view_of(points));
+      found = find_pairs_on_device(box_of(*box), cutoff, view_of(points), threads);
     } else {
       found = box ? find_pairs(box_of(*box), cutoff, view_of(points), threads)
                   : find_pairs(cutoff, view_of(points), threads);
@@ -49,12 +49,12 @@ auto pairs_of_disks(Points const& centers, Radii const& radius, double factor, d
 }
 
 auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads,
-                    bool device) {
+                    std::optional<bool> device) {
   NeighbourLists found;
   {
     nb::gil_scoped_release const released;
     if (is_on_device(device, box)) {
-      found = find_neighbour_lists_on_device(box_of(*box), cutoff, view_of(points));
+      found = find_neighbour_lists_on_device(box_of(*box), cutoff, view_of(points), threads);
     } else {
       found = box ? find_neighbour_lists(box_of(*box), cutoff, view_of(points), threads)
                   : find_neighbour_lists(cutoff, view_of(points), threads);
@@ -106,11 +106,11 @@ auto neighbor_sums(Ends const& ends, Indices const& indices, Rows const& values)
 
 void bind_grid(nb::module_& module) {
   module.def("pairs", &pairs, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(), nb::arg("threads"),
-             nb::arg("device"));
+             nb::arg("device").none());
   module.def("pairs_of_disks", &pairs_of_disks, nb::arg("centers"), nb::arg("radius"), nb::arg("factor"),
              nb::arg("gap"), nb::arg("box"), nb::arg("threads"));
   module.def("neighbor_lists", &neighbor_lists, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(),
-             nb::arg("threads"), nb::arg("device"));
+             nb::arg("threads"), nb::arg("device").none());
   module.def("neighbor_sums", &neighbor_sums, nb::arg("ends"), nb::arg("indices"), nb::arg("values"));
 }
 

@@ -12,7 +12,6 @@
 #include "device/sorted_points.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/world.hpp"
-#include "gridlock/grid/detail/stored_cells.hpp"
 #include "gridlock/model/detail/cells_of_step.hpp"
 
 namespace gridlock::device {
@@ -63,7 +62,7 @@ class Agents {
   /// Takes a step. Returns false, and changes nothing, if the cores must take it.
   bool take_step(World<Model>& world, double time_step) {
     Columns<Population> const present = present_.columns();
-    points_.sort(&present.template at<X>(0), &present.template at<Y>(0));
+    if (!points_.sort(&present.template at<X>(0), &present.template at<Y>(0), may_crowd_)) return false;
     result_.clear();
     launcher_.for_each(rows_.size(), TakeTurns<Model>{{.model = model_,
                                                        .points = points_.memory(),
@@ -78,7 +77,7 @@ class Agents {
                                                        .result = result_.data()}});
     StepResult<Model> result{};
     result_.download(std::span(&result, 1));
-    if (result.left_to_cores != 0 || are_crowd()) return false;
+    if (result.left_to_cores != 0) return false;
     std::swap(present_, next_);
     for (std::size_t k = 0; k < result.events.size(); ++k) world.events[k] += result.events[k];
     return true;
@@ -98,8 +97,6 @@ class Agents {
   }
 
  private:
-  /// Returns whether the cores would use finer cells.
-  [[nodiscard]] bool are_crowd() const { return may_crowd_ && is_crowd(points_.faults().pairs_in_cells, rows_.size()); }
   std::vector<Id> ids_of(World<Model> const& world) const {
     std::vector<Id> ids;
     for (std::uint32_t const row : rows_) ids.push_back(world.agents.ids()[row]);
@@ -113,7 +110,7 @@ class Agents {
   ColumnArrays<Population> present_;
   ColumnArrays<Population> next_;
   SortedPoints points_;
-  bool may_crowd_;
+  bool may_crowd_;  ///< whether the cores would use finer cells where agents crowd
   Array<StepResult<Model>> result_;
 };
 

@@ -57,7 +57,9 @@ GRIDLOCK_ON_DEVICE inline void store(std::uint32_t& number, std::uint32_t value)
 }
 GRIDLOCK_ON_DEVICE inline std::uint64_t load(std::uint64_t const& number) {
 #if defined(__CUDA_ARCH__)
-  return *const_cast<std::uint64_t const volatile*>(&number);
+  std::uint64_t const value = *const_cast<std::uint64_t const volatile*>(&number);
+  __threadfence();
+  return value;
 #else
   return __atomic_load_n(&number, __ATOMIC_ACQUIRE);
 #endif
@@ -68,6 +70,7 @@ GRIDLOCK_ON_DEVICE inline bool replace(std::uint64_t& number, std::uint64_t& exp
   __threadfence();
   auto const before = atomicCAS(reinterpret_cast<unsigned long long*>(&number),
                                 static_cast<unsigned long long>(expected), static_cast<unsigned long long>(by));
+  __threadfence();
   bool const is_replaced = before == expected;
   expected = before;
   return is_replaced;
@@ -110,7 +113,9 @@ class Array {
   explicit Array(std::size_t size) : size_(size) {
     // One element where there are none, so that the pointer is one of the device.
     require_success(cudaMalloc(&data_, (size > 0 ? size : 1) * sizeof(T)), "the device has no memory left");
-    clear();
+    cudaError_t const error = cudaMemset(data_, 0, size_ * sizeof(T));
+    if (error != cudaSuccess) cudaFree(data_);
+    require_success(error, "the device cannot clear memory");
   }
   explicit Array(std::span<T const> values) : Array(values.size()) { upload(values); }
   Array(Array const&) = delete;

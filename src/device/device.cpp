@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "device/backend.hpp"
 #include "gridlock/core/error.hpp"
@@ -17,9 +18,9 @@ namespace {
 std::size_t within_limit(std::size_t free_memory) {
   char const* const text = std::getenv("GRIDLOCK_DEVICE_MEMORY");
   if (text == nullptr || *text == '\0') return free_memory;
-  char* end = nullptr;
-  unsigned long long const bytes = std::strtoull(text, &end, 10);
-  if (*end == '\0' && *text != '-') return std::min<std::size_t>(free_memory, bytes);
+  std::string_view const digits = text;
+  bool const is_number = digits.size() < 19 && digits.find_first_not_of("0123456789") == std::string_view::npos;
+  if (is_number) return std::min<std::size_t>(free_memory, std::strtoull(text, nullptr, 10));
   throw Error({.what = "GRIDLOCK_DEVICE_MEMORY is \"" + std::string(text) + "\"",
                .hint = "set it to the bytes that a run may take on the graphics processor, or unset it"});
 }
@@ -33,23 +34,38 @@ void device::require_success(cudaError_t error, char const* what) {
   throw RunFailure(std::string("the graphics processor fails: ") + what + " (" + cudaGetErrorString(error) + ")");
 }
 
-std::optional<DeviceInfo> find_device() {
+namespace {
+
+__global__ void do_nothing() {}
+
+/// Looks for the first device, and whether this program has kernels for it.
+cudaError_t look_for(DeviceInfo& device) {
   int count = 0;
   cudaDeviceProp properties;
-  std::size_t free_memory = 0;
-  std::size_t memory = 0;
-  bool const is_found = cudaGetDeviceCount(&count) == cudaSuccess && count > 0 &&
-                        cudaGetDeviceProperties(&properties, 0) == cudaSuccess &&
-                        cudaMemGetInfo(&free_memory, &memory) == cudaSuccess;
-  if (!is_found) return std::nullopt;
-  return DeviceInfo{.name = properties.name, .memory = memory, .free_memory = within_limit(free_memory)};
+  cudaFuncAttributes attributes;
+  cudaError_t error = cudaGetDeviceCount(&count);
+  if (error == cudaSuccess) error = cudaGetDeviceProperties(&properties, 0);
+  if (error == cudaSuccess) error = cudaMemGetInfo(&device.free_memory, &device.memory);
+  if (error == cudaSuccess) error = cudaFuncGetAttributes(&attributes, do_nothing);
+  if (error != cudaSuccess) return error;
+  device.name = properties.name;
+  device.free_memory = within_limit(device.free_memory);
+  return error;
+}
+
+}  // namespace
+
+std::optional<DeviceInfo> find_device() {
+  DeviceInfo device;
+  return look_for(device) == cudaSuccess ? std::optional(device) : std::nullopt;
 }
 
 void require_device() {
-  if (find_device()) return;
-  int count = 0;
-  throw Error({.what = std::string("there is no graphics processor: ") + cudaGetErrorString(cudaGetDeviceCount(&count)),
-               .hint = "use engine.device = \"cpu\"; nvidia-smi says which graphics processors there are",
+  DeviceInfo device;
+  cudaError_t const error = look_for(device);
+  if (error == cudaSuccess) return;
+  throw Error({.what = std::string("there is no graphics processor: ") + cudaGetErrorString(error),
+               .hint = "use engine.device = \"cpu\" or GRIDLOCK_DEVICE=cpu; nvidia-smi says which there are",
                .key = "engine.device"});
 }
 

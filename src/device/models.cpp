@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -31,9 +33,7 @@ class ModelOnDevice final : public EngineFor<Model> {
       agents.reset();
     };
     while (!stop_condition.is_reached(world.clock, counters.pair_collisions)) {
-      bool const is_verified = settings_.verify_every > 0 && world.clock.step % settings_.verify_every == 0;
-      if (!is_verified && !world.agents.empty() && !agents) put_onto_device(world, agents);
-      if (agents && !is_verified && agents->take_step(world, model_.time_step())) {
+      if (is_tried_at(world) && is_taken_by_device(world, agents)) {
         ++world.clock.step;
         world.clock.time += model_.time_step();
       } else {
@@ -56,6 +56,20 @@ class ModelOnDevice final : public EngineFor<Model> {
   }
 
  private:
+  /// Returns whether the device tries to take the next step. After each that it has left to the cores in a row, these
+  /// take twice as many before it tries again.
+  [[nodiscard]] bool is_tried_at(World<Model> const& world) const {
+    bool const is_verified = settings_.verify_every > 0 && world.clock.step % settings_.verify_every == 0;
+    return !is_verified && !world.agents.empty() && world.clock.step >= next_try_;
+  }
+  bool is_taken_by_device(World<Model>& world, std::optional<Agents<Model>>& agents) {
+    if (!agents) put_onto_device(world, agents);
+    bool const is_taken = agents->take_step(world, model_.time_step());
+    wait_ = is_taken ? 1 : std::min<std::uint64_t>(2 * wait_, longest_wait);
+    if (!is_taken) next_try_ = world.clock.step + wait_;
+    return is_taken;
+  }
+
   [[nodiscard]] CellsOfStep cells_of(World<Model> const& world) const {
     return cells_of_step(world.box, model_.cutoff(), world.agents.size());
   }
@@ -76,6 +90,9 @@ class ModelOnDevice final : public EngineFor<Model> {
   ModelEngineSettings settings_;
   ModelEngine<Model> cores_;
   Launcher launcher_;
+  static constexpr std::uint64_t longest_wait = 256;
+  std::uint64_t next_try_ = 0;  ///< step
+  std::uint64_t wait_ = 1;      ///< in steps
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,13 +21,19 @@ namespace {
 
 using namespace device;
 
-void require_room(std::size_t bytes, char const* what) {
-  DeviceInfo const device = find_device().value();
-  if (bytes <= device.free_memory) return;
-  throw Error({.what = std::string(what) + " need " + std::to_string(bytes) + " bytes on the graphics processor \"" +
-                       device.name + "\", of which " + std::to_string(device.free_memory) + " are free",
+void require_room(std::size_t bytes, std::size_t free_memory, char const* what) {
+  if (bytes <= free_memory) return;
+  throw Error({.what = std::string(what) + " need " + std::to_string(bytes) +
+                       " bytes on the graphics processor, of which " + std::to_string(free_memory) + " are free",
                .hint = "use fewer points or a smaller cutoff, or search on the cores",
                .key = "engine.device"});
+}
+
+/// Returns the bytes of a search, without what it finds.
+std::size_t bytes_for(std::size_t points, CellLayout const& layout) {
+  std::size_t const of_sums = sizeof(std::uint64_t) * (points + points / numbers_of_chunk) +
+                              sizeof(std::uint32_t) * static_cast<std::size_t>(layout.count()) / numbers_of_chunk;
+  return SortedPoints::bytes(points, layout) + 2 * sizeof(double) * points + of_sums;
 }
 
 std::vector<double> coordinates(double const* from, PointsInMemory const& points) {
@@ -38,18 +45,18 @@ std::vector<double> coordinates(double const* from, PointsInMemory const& points
 /// A search among points on the device.
 class Search {
  public:
-  Search(Box const& box, double cutoff, CellLayout const& layout, PointsInMemory const& given)
-      : launcher_(0),
+  Search(Box const& box, double cutoff, CellLayout const& layout, PointsInMemory const& given, std::size_t free_memory,
+         std::uint64_t threads)
+      : launcher_(threads),
         count_(given.count),
         squared_cutoff_(cutoff * cutoff),
+        left_(free_memory - bytes_for(count_, layout)),
         x_(std::span<double const>(coordinates(given.x, given))),
         y_(std::span<double const>(coordinates(given.y, given))),
         points_(launcher_, box, layout, count_) {
-    points_.sort(x_.data(), y_.data());
-    PointFaults const faults = points_.faults();
-    if (faults.not_finite > 0) require_points_in_memory(given);
-    bool const has_finer_cells = layout_for_crowd(box, cutoff, count_, layout).has_value();
-    are_crowd_ = has_finer_cells && is_crowd(faults.pairs_in_cells, count_);
+    bool const may_crowd = layout_for_crowd(box, cutoff, count_, layout).has_value();
+    are_crowd_ = !points_.sort(x_.data(), y_.data(), may_crowd);
+    if (points_.faults().not_finite > 0) require_points_in_memory(given);
   }
 
   /// Returns whether the cores would use finer cells.
@@ -58,7 +65,7 @@ class Search {
   [[nodiscard]] PointPairs pairs() {
     Array<std::uint64_t> begin(count_ + 1);
     std::size_t const size = count<Partners::later>(begin).back();
-    require_room(2 * size * sizeof(std::uint32_t), "the pairs");
+    require_room(2 * size * sizeof(std::uint32_t), left_, "the pairs");
     Array<std::uint32_t> indices(2 * size);
     launcher_.for_each(
         count_, WritePairs{points_.memory(), squared_cutoff_, begin.data(), indices.data(), indices.data() + size});
@@ -71,7 +78,7 @@ class Search {
   [[nodiscard]] NeighbourLists lists() {
     Array<std::uint64_t> begin(count_ + 1);
     NeighbourLists lists{.begin = count<Partners::all>(begin), .neighbours = {}};
-    require_room(lists.begin.back() * sizeof(std::uint32_t), "the neighbours");
+    require_room(lists.begin.back() * sizeof(std::uint32_t), left_, "the neighbours");
     Array<std::uint32_t> neighbours(lists.begin.back());
     launcher_.for_each(count_, WriteNeighbours{points_.memory(), squared_cutoff_, begin.data(), neighbours.data()});
     lists.neighbours.resize(lists.begin.back());
@@ -93,15 +100,17 @@ class Search {
   Launcher launcher_;
   std::size_t count_;
   double squared_cutoff_;
+  std::size_t left_;  ///< bytes for what is found
   Array<double> x_;
   Array<double> y_;
   SortedPoints points_;
   bool are_crowd_ = false;
 };
 
-/// Returns found(points) of points on the device, or on_cores() where the device does not search.
+/// Returns found(search) of points on the device, or on_cores() where the device does not search.
 template <class Found, class OnCores>
-auto found_by_device(Box const& box, double cutoff, PointsInMemory const& points, Found found, OnCores on_cores) {
+auto found_by_device(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads, Found found,
+                     OnCores on_cores) {
   require_device();
   require_bounded_cutoff(cutoff);
   require_point_count(points.count);
@@ -110,24 +119,26 @@ auto found_by_device(Box const& box, double cutoff, PointsInMemory const& points
   bool const has_halves =
       (!layout.is_periodic_x() || layout.columns() > 3) && (!layout.is_periodic_y() || layout.rows() > 3);
   if (box.is_oblique() || !has_halves || points.count == 0) return on_cores();
-  require_room(SortedPoints::bytes(points.count, layout) + points.count * (2 * sizeof(double) + sizeof(std::uint64_t)),
-               "the points");
-  Search search(box, cutoff, layout, points);
+  std::optional<DeviceInfo> const device = find_device();
+  std::size_t const free_memory = device ? device->free_memory : 0;
+  require_room(bytes_for(points.count, layout), free_memory, "the points");
+  Search search(box, cutoff, layout, points, free_memory, threads);
   return search.are_crowd() ? on_cores() : found(search);
 }
 
 }  // namespace
 
-PointPairs find_pairs_on_device(Box const& box, double cutoff, PointsInMemory const& points) {
+PointPairs find_pairs_on_device(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads) {
   return found_by_device(
-      box, cutoff, points, [](Search& search) { return search.pairs(); },
-      [&] { return find_pairs(box, cutoff, points, 0); });
+      box, cutoff, points, threads, [](Search& search) { return search.pairs(); },
+      [&] { return find_pairs(box, cutoff, points, threads); });
 }
 
-NeighbourLists find_neighbour_lists_on_device(Box const& box, double cutoff, PointsInMemory const& points) {
+NeighbourLists find_neighbour_lists_on_device(Box const& box, double cutoff, PointsInMemory const& points,
+                                              std::uint64_t threads) {
   return found_by_device(
-      box, cutoff, points, [](Search& search) { return search.lists(); },
-      [&] { return find_neighbour_lists(box, cutoff, points, 0); });
+      box, cutoff, points, threads, [](Search& search) { return search.lists(); },
+      [&] { return find_neighbour_lists(box, cutoff, points, threads); });
 }
 
 }  // namespace gridlock

@@ -18,7 +18,7 @@ std::optional<DeviceInfo> find_device() { return std::nullopt; }
 
 void require_device() {
   throw Error({.what = "this program was built without graphics processors",
-               .hint = "use engine.device = \"cpu\", or build it with -DGRIDLOCK_CUDA=ON",
+               .hint = "use engine.device = \"cpu\" or GRIDLOCK_DEVICE=cpu, or build it with -DGRIDLOCK_CUDA=ON",
                .key = "engine.device"});
 }
 
@@ -45,12 +45,14 @@ template std::unique_ptr<EngineFor<Epidemic>> model_engine_on_device(Epidemic co
 template std::unique_ptr<EngineFor<Flocking>> model_engine_on_device(Flocking const&, Box const&,
                                                                      ModelEngineSettings const&);
 
-PointPairs find_pairs_on_device(Box const& /*box*/, double /*cutoff*/, PointsInMemory const& /*points*/) {
+PointPairs find_pairs_on_device(Box const& /*box*/, double /*cutoff*/, PointsInMemory const& /*points*/,
+                                std::uint64_t /*threads*/) {
   require_device();
   return {};
 }
 
-NeighbourLists find_neighbour_lists_on_device(Box const& /*box*/, double /*cutoff*/, PointsInMemory const& /*points*/) {
+NeighbourLists find_neighbour_lists_on_device(Box const& /*box*/, double /*cutoff*/, PointsInMemory const& /*points*/,
+                                              std::uint64_t /*threads*/) {
   require_device();
   return {};
 }

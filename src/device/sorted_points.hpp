@@ -7,6 +7,7 @@
 #include "device/backend.hpp"
 #include "device/neighbour_kernels.hpp"
 #include "device/scan.hpp"
+#include "gridlock/grid/detail/stored_cells.hpp"
 
 namespace gridlock::device {
 
@@ -38,21 +39,27 @@ class SortedPoints {
   SortedPoints(SortedPoints const&) = delete;
   SortedPoints& operator=(SortedPoints const&) = delete;
 
-  /// Sorts points at these coordinates, which the device has.
-  void sort(double const* x, double const* y) {
+  /// Sorts points at these coordinates, which the device has. Where `may_crowd` is true it first looks whether they
+  /// crowd, and returns false without sorting them if they do, or if a coordinate is not finite.
+  bool sort(double const* x, double const* y, bool may_crowd) {
     memory_.x_given = x;
     memory_.y_given = y;
     first_.clear();
     filled_.clear();
     faults_.clear();
     launcher_.for_each(count_, FindCell{memory_});
-    launcher_.for_each(cells_, CountPairsInCell{memory_});
+    if (may_crowd) {
+      launcher_.for_each(cells_, CountPairsInCell{memory_});
+      PointFaults const found = faults();
+      if (found.not_finite > 0 || is_crowd(found.pairs_in_cells, count_)) return false;
+    }
     sum_up(launcher_, first_, cells_ + 1);
     launcher_.for_each(count_, PutIntoCell{memory_});
     launcher_.for_each(cells_, SortCell{memory_});
+    return true;
   }
   [[nodiscard]] PointsMemory const& memory() const { return memory_; }
-  /// Returns what is wrong with the points of the last sort().
+  /// Returns the faults of the points of the last sort(); pairs in cells are counted where they may crowd.
   [[nodiscard]] PointFaults faults() const {
     PointFaults faults{};
     faults_.download(std::span(&faults, 1));

@@ -24,13 +24,14 @@
 
 namespace gridlock::device {
 
-/// The counts of the turns of a cell in a step.
+/// The counts of the turns of a cell in a step. Distances and sub-steps may be more than 2³²: a cell that holds a large
+/// disk may hold thousands of small ones.
 struct CellCounts {
   std::uint32_t moves;
   std::uint32_t halted_moves;
   std::uint32_t pair_collisions;
-  std::uint32_t distance_checks;
-  std::uint32_t swum;
+  std::uint64_t distance_checks;
+  std::uint64_t swum;
 };
 
 /// The counts of a step.
@@ -133,8 +134,8 @@ class CellTurns {
     counts.moves += static_cast<std::uint32_t>(counters.moves);
     counts.halted_moves += static_cast<std::uint32_t>(counters.halted_moves);
     counts.pair_collisions += static_cast<std::uint32_t>(counters.pair_collisions);
-    counts.distance_checks += static_cast<std::uint32_t>(counters.distance_checks);
-    counts.swum += static_cast<std::uint32_t>(counters.swum);
+    counts.distance_checks += counters.distance_checks;
+    counts.swum += static_cast<std::uint64_t>(counters.swum);
     if (memory_.has_walls) count_walls(counters);
     memory_.terms[row] = terms_of(counters);
     return true;

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>

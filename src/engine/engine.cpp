@@ -173,20 +173,21 @@ std::vector<std::string> engine_kinds() {
 Device device_of(Device setting) {
   char const* const wish = std::getenv("GRIDLOCK_DEVICE");
   std::string_view const name = wish == nullptr ? "" : wish;
+  if (name.empty()) return setting;
   if (name == "gpu") return Device::gpu;
-  if (name.empty() || name == "cpu") return setting;
+  if (name == "cpu") return Device::cpu;
   throw Error({.what = fmt::format("GRIDLOCK_DEVICE is \"{}\"", name),
-               .hint = "set it to gpu, for all runs that can use a graphics processor, or unset it"});
+               .hint = "set it to gpu, for all runs that can use a graphics processor, to cpu, or unset it"});
 }
 
 void require_room_on_device(std::size_t count, std::string_view things, std::size_t bytes) {
   std::optional<DeviceInfo> const device = find_device();
   if (!device || bytes <= device->free_memory) return;
   double const share = static_cast<double>(device->free_memory) / static_cast<double>(bytes);
-  throw Error({.what = fmt::format("{} {} need {:.2f} GB on the graphics processor \"{}\", of which {:.2f} GB are free",
-                                   count, things, 1e-9 * static_cast<double>(bytes), device->name,
-                                   1e-9 * static_cast<double>(device->free_memory)),
-               .hint = fmt::format("use at most about {:.0f} {}, or engine.device = \"cpu\"",
+  throw Error({.what = fmt::format("{} {} need {:.1f} MB on the graphics processor \"{}\", of which {:.1f} MB are free",
+                                   count, things, 1e-6 * static_cast<double>(bytes), device->name,
+                                   1e-6 * static_cast<double>(device->free_memory)),
+               .hint = fmt::format("use at most about {:.0f} {}, or engine.device = \"cpu\" or GRIDLOCK_DEVICE=cpu",
                                    std::floor(share * static_cast<double>(count)), things),
                .key = "engine.device"});
 }
@@ -274,8 +275,7 @@ void describe_device(EngineSettings& settings, SettingVisitor& visitor) {
       {.key = "device",
        .documentation = "The processor of tiled and of the models flocking and epidemic: \"cpu\" is the cores of "
                         "the machine, \"gpu\" a graphics processor, in a program built for it; both give the "
-                        "same bits. The environment variable GRIDLOCK_DEVICE = gpu is the same for all runs that "
-                        "can use one."},
+                        "same bits. The environment variable GRIDLOCK_DEVICE, cpu or gpu, takes its place."},
       devices, settings.device);
 }
 

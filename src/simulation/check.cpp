@@ -138,7 +138,7 @@ void require_shareable(Configuration const& configuration, std::size_t processes
   std::optional<Problem> problem = configuration.kind().not_shared(configuration);
   if (!problem && uses_device(configuration)) {
     problem = Problem{
-        .what = "a run on a graphics processor", .hint = "use gridlock run, or the cores", .key = "engine.device"};
+        .what = "a run on a graphics processor", .hint = "use gridlock run, or GRIDLOCK_DEVICE=cpu", .key = "engine.device"};
   }
   if (!problem) return;
   problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, processes);

@@ -93,6 +93,8 @@ TEST_F(OnDevice, TheVariableOfTheEnvironmentIsTheSetting) {
   EXPECT_EQ(device_of(Device::cpu), Device::cpu);
   setenv("GRIDLOCK_DEVICE", "gpu", 1);
   EXPECT_EQ(device_of(Device::cpu), Device::gpu);
+  setenv("GRIDLOCK_DEVICE", "cpu", 1);
+  EXPECT_EQ(device_of(Device::gpu), Device::cpu);
   setenv("GRIDLOCK_DEVICE", "tpu", 1);
   EXPECT_THROW(device_of(Device::gpu), Error);
   unsetenv("GRIDLOCK_DEVICE");
@@ -117,8 +119,10 @@ TEST_F(OnDevice, DisksThatDoNotFitAreRefusedWithTheNumberThatDoes) {
   State fewer = make_start(Box(1.0, 1.0, Edge::periodic), {.count = fits * 9 / 10, .packing_fraction = 0.5}, 1);
   draw_velocities(fewer, {});
   EXPECT_NO_THROW(make_engine(on_device({.kind = "tiled"}), fewer));
-  setenv("GRIDLOCK_DEVICE_MEMORY", "much", 1);
-  EXPECT_THROW(find_device(), Error);
+  for (char const* const wrong : {"much", "-5", " -5", "1e9", "99999999999999999999"}) {
+    setenv("GRIDLOCK_DEVICE_MEMORY", wrong, 1);
+    EXPECT_THROW(find_device(), Error) << wrong;
+  }
   unsetenv("GRIDLOCK_DEVICE_MEMORY");
 }
 
@@ -163,6 +167,10 @@ TEST_F(OnDevice, PointsThatDoNotFitOrAreNoNumbersAreRefused) {
   Box const box(1.0, 1.0, Edge::periodic);
   setenv("GRIDLOCK_DEVICE_MEMORY", "1000", 1);
   EXPECT_THROW(find_pairs_on_device(box, 0.01, points), Error);
+  // Enough for the points, and not for 63,000 pairs besides.
+  setenv("GRIDLOCK_DEVICE_MEMORY", "400000", 1);
+  EXPECT_NO_THROW(find_pairs_on_device(box, 0.01, points));
+  EXPECT_THROW(find_pairs_on_device(box, 0.2, points), Error);
   unsetenv("GRIDLOCK_DEVICE_MEMORY");
   EXPECT_THROW(find_pairs_on_device(box, 0.6, points), Error);
   xy[77] = std::numeric_limits<double>::quiet_NaN();

@@ -11,6 +11,8 @@
 /// std::size_t const pairs = find_device() ? find_pairs_on_device(box, 0.3, points).size() : 1;
 /// ```
 
+#include <cstdint>
+
 #include "gridlock/core/box.hpp"
 #include "gridlock/engine/device.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
@@ -19,11 +21,12 @@ namespace gridlock {
 
 /// Return what find_pairs() and find_neighbour_lists() return, in the same order.
 ///
-/// The cores search in place of the graphics processor where the box is oblique, where it is periodic and only three
+/// `threads` cores search in place of the graphics processor where the box is oblique, where it is periodic and only three
 /// cells wide, and where points crowd, as docs/how_to/graphics_processor.md says.
 /// Errors: those of find_pairs(); Error with the key "engine.device" where there is no device, or where points and
 /// pairs do not fit into its memory. Cost: 60 bytes a point and 4 bytes a neighbour on the device.
-PointPairs find_pairs_on_device(Box const& box, double cutoff, PointsInMemory const& points);
-NeighbourLists find_neighbour_lists_on_device(Box const& box, double cutoff, PointsInMemory const& points);
+PointPairs find_pairs_on_device(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
+NeighbourLists find_neighbour_lists_on_device(Box const& box, double cutoff, PointsInMemory const& points,
+                                              std::uint64_t threads = 1);
 
 }  // namespace gridlock

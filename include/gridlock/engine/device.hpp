@@ -19,8 +19,8 @@ namespace gridlock {
 /// The processor that advances a system: the cores of the machine, or its graphics processor.
 enum class Device : std::int32_t { cpu, gpu };
 
-/// Returns gpu for a setting of gpu, and for any setting where the environment variable GRIDLOCK_DEVICE is "gpu".
-/// Errors: Error where the variable is neither "gpu" nor "cpu" nor empty.
+/// Returns the device that the environment variable GRIDLOCK_DEVICE names, "cpu" or "gpu", or else the setting.
+/// Errors: Error where the variable is neither of these nor empty.
 Device device_of(Device setting);
 
 /// A graphics processor.
