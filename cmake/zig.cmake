@@ -41,7 +41,9 @@ if(GRIDLOCK_LIBRARIES)
   set(ENV{PKG_CONFIG_ALLOW_SYSTEM_LIBS} 1)
   set(PKG_CONFIG_ARGN --static)  # archives do not say what else they need
   # A module of Python takes archives that were made for programs: nobody puts other functions in the place of theirs.
-  set(CMAKE_MODULE_LINKER_FLAGS_INIT "-Wl,-Bsymbolic")
+  # The linker leaves out names that nobody needs: the tool that does so later is this machine's.
+  set(CMAKE_MODULE_LINKER_FLAGS_INIT "-Wl,-Bsymbolic -s")
+  set(CMAKE_EXE_LINKER_FLAGS_INIT "-s")
 endif()
 
 # Programs of this machine, all else of the other one.
