@@ -70,8 +70,8 @@ def link_chapters(app, docname, source):
             source[0] = re.sub(r"\]\((?!https?:|#)", "](../../", text).replace("](../../docs/", "](../")
     for page, chapter in root_pages.items():
         source[0] = source[0].replace(f"]({'../' * (depth + 1)}{page}", f"]({'../' * depth}{chapter}")
-    # A Markdown file of the repository that is no chapter is a download as any other.
-    source[0] = re.sub(rf"\]\((?={'../' * (depth + 1)}[^.)#][^)#]*\.md\))", "](path:", source[0])
+    # A Markdown file of the repository that is no chapter is a download as any other: a link leads to no heading in it.
+    source[0] = re.sub(rf"\]\(({'../' * (depth + 1)}[^.)#][^)#]*\.md)(#[^)]*)?\)", r"](path:\1)", source[0])
 
 
 def write_api_pages(app):
