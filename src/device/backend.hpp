@@ -101,8 +101,10 @@ class Launcher {
     if (count == 0) return;
     constexpr unsigned threads_of_block = 128;
     auto const blocks = static_cast<unsigned>((count + threads_of_block - 1) / threads_of_block);
-    run_kernel<<<blocks, threads_of_block>>>(count, kernel);
-    require_success(cudaGetLastError(), "a kernel cannot be launched");
+    void* arguments[] = {&count, const_cast<Kernel*>(&kernel)};
+    auto const* const function = reinterpret_cast<void const*>(&run_kernel<Kernel>);
+    require_success(cudaLaunchKernel(function, dim3(blocks), dim3(threads_of_block), arguments, 0, nullptr),
+                    "a kernel cannot be launched");
   }
 };
 

@@ -108,16 +108,16 @@ class Cells : public PackedGeometry {
     Block& hole = block_of(agent);
     std::uint32_t const slot = slot_of(agent);
     Block& base = blocks_[index_of(hole.column, hole.row)];
-    Block& top = base.next == none ? base : blocks_[base.next];
-    std::uint32_t const last = --top.count;
-    std::uint32_t const filler = top.agent[last];
-    write(hole, slot, {top.x[last], top.y[last]});
+    Block* const top = base.next == none ? &base : &blocks_[base.next];
+    std::uint32_t const last = --top->count;
+    std::uint32_t const filler = top->agent[last];
+    write(hole, slot, {top->x[last], top->y[last]});
     hole.agent[slot] = filler;
     places_[filler] = places_[agent];
-    write(top, last, {nowhere, nowhere});
+    write(*top, last, {nowhere, nowhere});
     if (last > 0 || base.next == none) return;
     std::uint32_t const dropped = base.next;
-    base.next = top.next;
+    base.next = top->next;
     free_blocks_.give(blocks_, dropped);
   }
 

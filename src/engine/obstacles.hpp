@@ -77,7 +77,8 @@ struct ObstaclesView {
     int const last_row = layout.row_of(upper.y);
     for (int row = layout.row_of(lower.y); row <= last_row; ++row) {
       for (int column = layout.column_of(lower.x); column <= last_column; ++column) {
-        visit(static_cast<std::size_t>(row * layout.columns() + column), column, row);
+        std::size_t const first = static_cast<std::size_t>(row) * static_cast<std::size_t>(layout.columns());
+        visit(first + static_cast<std::size_t>(column), column, row);
       }
     }
   }

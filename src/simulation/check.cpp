@@ -137,8 +137,9 @@ void require_shareable(Configuration const& configuration, std::size_t processes
   if (processes == 1) return;
   std::optional<Problem> problem = configuration.kind().not_shared(configuration);
   if (!problem && uses_device(configuration)) {
-    problem = Problem{
-        .what = "a run on a graphics processor", .hint = "use gridlock run, or GRIDLOCK_DEVICE=cpu", .key = "engine.device"};
+    problem = Problem{.what = "a run on a graphics processor",
+                      .hint = "use gridlock run, or GRIDLOCK_DEVICE=cpu",
+                      .key = "engine.device"};
   }
   if (!problem) return;
   problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, processes);
