@@ -21,8 +21,8 @@ namespace gridlock {
 
 /// Return what find_pairs() and find_neighbour_lists() return, in the same order.
 ///
-/// `threads` cores search in place of the graphics processor where the box is oblique, where it is periodic and only three
-/// cells wide, and where points crowd, as docs/how_to/graphics_processor.md says.
+/// `threads` cores search in place of the graphics processor where the box is oblique, where it is periodic and only
+/// three cells wide, and where points crowd, as docs/how_to/graphics_processor.md says.
 /// Errors: those of find_pairs(); Error with the key "engine.device" where there is no device, or where points and
 /// pairs do not fit into its memory. Cost: 60 bytes a point and 4 bytes a neighbour on the device.
 PointPairs find_pairs_on_device(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
