@@ -423,24 +423,23 @@ TEST(CheckpointParts, WhereOneProcessFindsDamageAllGoBackToThePreviousCheckpoint
   std::barrier meeting(static_cast<std::ptrdiff_t>(count));
   std::vector<Agents> restored(count);
   std::vector<std::string> notes(count);
-  {
-    std::vector<std::jthread> processes;
-    for (std::size_t rank = 0; rank < count; ++rank) {
-      processes.emplace_back([&, rank] {
-        auto const agree = [&](std::string const& reason) {
-          meeting.arrive_and_wait();
-          reasons[rank] = reason;
-          meeting.arrive_and_wait();
-          auto const first = std::ranges::find_if(reasons, [](std::string const& text) { return !text.empty(); });
-          return first == reasons.end() ? std::string() : *first;
-        };
-        notes[rank] =
-            restore_checkpoint(directory.path(), serializing(restored[rank]), {.part = rank, .count = count}, agree)
-                .value()
-                .note;
-      });
-    }
+  std::vector<std::thread> processes;
+  for (std::size_t rank = 0; rank < count; ++rank) {
+    processes.emplace_back([&, rank] {
+      auto const agree = [&](std::string const& reason) {
+        meeting.arrive_and_wait();
+        reasons[rank] = reason;
+        meeting.arrive_and_wait();
+        auto const first = std::ranges::find_if(reasons, [](std::string const& text) { return !text.empty(); });
+        return first == reasons.end() ? std::string() : *first;
+      };
+      notes[rank] =
+          restore_checkpoint(directory.path(), serializing(restored[rank]), {.part = rank, .count = count}, agree)
+              .value()
+              .note;
+    });
   }
+  for (std::thread& process : processes) process.join();
   for (std::size_t rank = 0; rank < count; ++rank) {
     EXPECT_EQ(restored[rank], part_of(agents_at(1, 30), even_share(rank, count, 30))) << rank;
     EXPECT_NE(notes[rank].find(last), std::string::npos) << notes[rank];
