@@ -3,10 +3,10 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
-#include <random>
 #include <vector>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/random.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 #include "unit/analysis/points.hpp"
 
@@ -23,12 +23,11 @@ struct NoisyLattice {
   RandomPoints points{0, 1.0, 1.0};
 
   explicit NoisyLattice(double noise, unsigned seed = 1) {
-    std::mt19937_64 random(seed);
-    std::normal_distribution<double> displacement;
+    RandomStream random(seed, 0, 0, Purpose::start_position);  // not of the standard library, whose numbers differ
     for (int row = 0; row < rows; ++row) {
       for (int column = 0; column < columns; ++column) {
-        double const x = column + 0.5 * (row % 2) + noise * displacement(random);
-        points.values.insert(points.values.end(), {x, row * std::sqrt(0.75) + noise * displacement(random)});
+        double const x = column + 0.5 * (row % 2) + noise * random.normal();
+        points.values.insert(points.values.end(), {x, row * std::sqrt(0.75) + noise * random.normal()});
       }
     }
   }
