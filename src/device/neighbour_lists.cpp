@@ -116,9 +116,7 @@ auto found_by_device(Box const& box, double cutoff, PointsInMemory const& points
   require_point_count(points.count);
   require_box_for(box, cutoff);
   CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);
-  bool const has_halves =
-      (!layout.is_periodic_x() || layout.columns() > 3) && (!layout.is_periodic_y() || layout.rows() > 3);
-  if (box.is_oblique() || !has_halves || points.count == 0) return on_cores();
+  if (box.is_oblique() || !has_halves(layout) || points.count == 0) return on_cores();
   std::optional<DeviceInfo> const device = find_device();
   std::size_t const free_memory = device ? device->free_memory : 0;
   require_room(bytes_for(points.count, layout), free_memory, "the points");

@@ -248,11 +248,11 @@ struct TakeTurnsOfCells {
   std::uint32_t step;
   std::size_t first_tile;
   std::size_t of_class;
-  std::size_t most_cells;  ///< largest number of cells of a class in a tile
+  std::size_t max_cells;  ///< largest number of cells of a class in a tile
 
   GRIDLOCK_ON_DEVICE void operator()(std::size_t k) const {
-    CellsOfClass const cells(memory.tiles[first_tile + k / most_cells], of_class);
-    auto const n = static_cast<int>(k % most_cells);
+    CellsOfClass const cells(memory.tiles[first_tile + k / max_cells], of_class);
+    auto const n = static_cast<int>(k % max_cells);
     if (n >= cells.size()) return;
     int const cell = cells.cell(n, memory.cells.layout());
     CellTurns turns(memory, step);

@@ -18,16 +18,10 @@ namespace gridlock::device {
 namespace {
 
 /// Returns the largest number of cells of a class in a tile.
-std::size_t most_cells_of_class(Tiling const& tiling) {
-  int most = 0;
-  for (Tiling::Tile const& tile : tiling.tiles()) most = std::max(most, CellsOfClass(tile, 0).size());
-  return static_cast<std::size_t>(most);
-}
-
-PackedGrid grid_of_disks(CellLayout const& layout, HotDisks const& disks) {
-  PackedGrid grid(layout, disks.size());
-  for (std::size_t k = 0; k < disks.size(); ++k) grid.insert(k, disks[k].position);
-  return grid;
+std::size_t max_cells_of_class(Tiling const& tiling) {
+  int max = 0;
+  for (Tiling::Tile const& tile : tiling.tiles()) max = std::max(max, CellsOfClass(tile, 0).size());
+  return static_cast<std::size_t>(max);
 }
 
 /// Returns the blocks of a grid, and behind them as many as it may need for any positions of the disks; those that no
@@ -35,7 +29,7 @@ PackedGrid grid_of_disks(CellLayout const& layout, HotDisks const& disks) {
 std::vector<PackedBlock> with_free_blocks(PackedGrid const& grid, std::size_t disks) {
   std::span<PackedBlock const> const used = grid.blocks();
   std::vector<PackedBlock> blocks(used.begin(), used.end());
-  blocks.resize(std::max(used.size(), grid.blocks_of_cells() + disks / PackedBlock::slots + 1) + 1);
+  blocks.resize(std::max(used.size(), grid.max_blocks_for(disks)) + 1);
   for (std::size_t k = used.size(); k < blocks.size(); ++k) blocks[k].next = static_cast<std::uint32_t>(k + 1);
   return blocks;
 }
@@ -89,7 +83,7 @@ class TiledSteps final : public tiled::StepTaker {
  public:
   TiledSteps(HotDisks const& disks, tiled::TurnRule const& rule, CellLayout const& layout, Tiling const& tiling,
              std::uint64_t threads)
-      : TiledSteps(grid_of_disks(layout, disks), disks, rule, tiling, threads) {}
+      : TiledSteps(grid_of<PackedGrid>(layout, disks), disks, rule, tiling, threads) {}
 
   void take_step(std::uint64_t step, Counters& counters) override {
     begin_step(step);
@@ -121,7 +115,7 @@ class TiledSteps final : public tiled::StepTaker {
       : launcher_(threads),
         rule_(rule),
         tiling_(tiling),
-        most_cells_(most_cells_of_class(tiling)),
+        max_cells_(max_cells_of_class(tiling)),
         arrays_(grid, disks, rule.walls.view(), tiling),
         memory_(memory_of(grid)),
         sums_(arrays_.sums.size()) {
@@ -171,7 +165,7 @@ class TiledSteps final : public tiled::StepTaker {
     if (tiled::goes_around_box(memory_.cells.layout(), tiling_)) {
       launcher_.for_each(tiles, TakeTurnsOfTiles{memory_, steps_, first_tile, of_class});
     } else {
-      launcher_.for_each(tiles * most_cells_, TakeTurnsOfCells{memory_, steps_, first_tile, of_class, most_cells_});
+      launcher_.for_each(tiles * max_cells_, TakeTurnsOfCells{memory_, steps_, first_tile, of_class, max_cells_});
     }
   }
 
@@ -213,7 +207,7 @@ class TiledSteps final : public tiled::StepTaker {
   Launcher launcher_;
   tiled::TurnRule rule_;
   Tiling const& tiling_;
-  std::size_t most_cells_;
+  std::size_t max_cells_;
   Arrays arrays_;
   TiledMemory memory_;
   std::uint32_t steps_ = 0;

@@ -120,16 +120,7 @@ constexpr HeadingTurn heading_turn(float angle) {
   float const c = detail::series(Series::cosine_near_zero(), z);
   float const s = x * detail::series(Series::sine_near_zero(), z);
   // The last two bits are the quarter.
-  switch (std::bit_cast<std::uint32_t>(shifted) & 3U) {
-    case 0:
-      return {c, s};
-    case 1:
-      return {-s, c};
-    case 2:
-      return {-c, -s};
-    default:
-      return {s, -c};
-  }
+  return detail::turned_by_quarters<HeadingTurn>(c, s, std::bit_cast<std::uint32_t>(shifted));
 }
 
 /// Returns this velocity turned by the heading noise of a step. Its length stays that of the rule: an error of the

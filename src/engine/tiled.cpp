@@ -140,8 +140,8 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
   bool is_stopped = false;
   while (is_before_stop() && !is_stopped) {
     std::unique_ptr<tiled::StepTaker> const steps = step_taker(state);
-    std::uint64_t const most = is_on_device_ ? steps_between_sorts_on_device : tiled::steps_between_sorts;
-    for (std::uint64_t n = 0; n < most && is_before_stop() && !is_stopped; ++n) {
+    std::uint64_t const max_steps = is_on_device_ ? steps_between_sorts_on_device : tiled::steps_between_sorts;
+    for (std::uint64_t n = 0; n < max_steps && is_before_stop() && !is_stopped; ++n) {
       steps->take_step(state.clock.step, counters);
       if (std::optional<tiled::TooFast> const disk = steps->too_fast()) {
         steps->write_back(state);

@@ -46,6 +46,21 @@ constexpr Vector direction_near_zero(double x) {
   return {1.0 + s * sum.x, x + x * s * sum.y};
 }
 
+/// Returns (c, s) turned by this number of right angles.
+template <class Pair, class Number>
+constexpr Pair turned_by_quarters(Number c, Number s, std::uint64_t quarters) {
+  switch (quarters & 3U) {
+    case 0:
+      return {c, s};
+    case 1:
+      return {-s, c};
+    case 2:
+      return {-c, -s};
+    default:
+      return {s, -c};
+  }
+}
+
 }  // namespace detail
 
 /// Returns (cos φ, sin φ) for an angle φ in radians, to about 1e-16 for |φ| ≤ 100.
@@ -71,16 +86,7 @@ constexpr Vector direction(double angle) {
   }
   double const rest = (angle - quarters * quarter_high) - quarters * quarter_low;
   auto const [c, s] = detail::direction_near_zero(rest);
-  switch (static_cast<std::int64_t>(quarters) & 3) {
-    case 0:
-      return {c, s};
-    case 1:
-      return {-s, c};
-    case 2:
-      return {-c, -s};
-    default:
-      return {s, -c};
-  }
+  return detail::turned_by_quarters<Vector>(c, s, static_cast<std::uint64_t>(static_cast<std::int64_t>(quarters)));
 }
 
 /// Returns `v` rotated by the angle φ, where `turn` is direction(φ): the product of two complex numbers.

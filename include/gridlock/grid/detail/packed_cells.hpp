@@ -28,8 +28,8 @@ struct alignas(64) PackedBlock {
 };
 static_assert(sizeof(PackedBlock) == 64);
 
-/// Where the cells of a PackedGrid lie in memory and in the plane. Its functions are constexpr, so that a compiler for
-/// graphics processors can use them.
+/// The places of the cells of a PackedGrid in memory and in the plane. Its functions are constexpr, so that a compiler
+/// for graphics processors can use them.
 class PackedGeometry {
  public:
   using Block = PackedBlock;

@@ -60,6 +60,8 @@ class PackedGrid : public PackedGeometry {
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// Returns a number of blocks that is enough for any positions of the agents.
+  [[nodiscard]] std::size_t max_blocks_for(std::size_t agents) const;
   /// Returns the number of blocks besides one for each cell, also those no longer in use.
   [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells(); }
   /// Returns whether some cell has more than one block. If other threads move agents meanwhile, the answer is right for
@@ -284,8 +286,6 @@ class PackedGrid : public PackedGeometry {
   }
 
   void grow(std::size_t agents);
-  /// Returns a number of blocks that is enough for any positions of the agents.
-  [[nodiscard]] std::size_t max_blocks_for(std::size_t agents) const;
   void put(std::size_t agent, CellPoint const& cell_point);
   void take_out(std::size_t agent);
   void move_to_cell(std::size_t agent, Vector p);

@@ -20,6 +20,11 @@ struct RowBlock {
   [[nodiscard]] constexpr std::span<RowRange const> ranges() const { return std::span(rows).first(count); }
 };
 
+/// Returns whether no two cells are neighbours on two sides of a periodic box.
+constexpr bool has_halves(CellLayout const& layout) {
+  return (!layout.is_periodic_x() || layout.columns() > 3) && (!layout.is_periodic_y() || layout.rows() > 3);
+}
+
 /// Makes the blocks around the cells of a layout; first_of(column, row) returns the first row of a cell, and
 /// first_of(column + 1, row) the end of its rows.
 template <class FirstOf>
@@ -58,10 +63,7 @@ class RowBlocks {
     return block;
   }
 
-  /// Returns whether no two cells are neighbours on two sides of a periodic box.
-  [[nodiscard]] constexpr bool has_halves() const {
-    return (!layout_.is_periodic_x() || layout_.columns() > 3) && (!layout_.is_periodic_y() || layout_.rows() > 3);
-  }
+  [[nodiscard]] constexpr bool has_halves() const { return gridlock::has_halves(layout_); }
 
  private:
   [[nodiscard]] constexpr bool is_at_edge(int column, int row) const {
