@@ -9,7 +9,8 @@
 Needs java and javac for MASON, whose library the clone has, bc, and for NetLogo its archive unpacked as comparison/netlogo, as the clone asks; without
 it NetLogo is left out. Each program runs as the comparison has it and prints the median of its runs; --runs makes them fewer than its 100.
 The least of the medians of all rounds is written into the results and the table of docs/reference/other_codes.md: other programs at work make times longer.
---table prints that table from the results. What is changed:
+After them come the neighbour searches of benchmarks/python_neighbours.py and the entries for FLAME GPU's comparisons, each with results and a table of its own.
+--table prints all tables from the results. What is changed:
 
 - The comparison took its forest fire away in 2023; it is brought back from the history of the clone, but for the program of MASON,
   which sweeps over the cells of one forest, so that a fire crosses it in one step.
@@ -37,6 +38,8 @@ MODELS = {"WolfSheep": "wolfsheep", "Flocking": "flocking", "Schelling": "schell
 BEFORE_FOREST_FIRE_WENT = "c448691^"
 MARK = ".made_by_gridlock"  # a file in the copy of the clone
 RESULTS = ROOT / "benchmarks/results/public_comparison.csv"
+OTHERS = RESULTS.with_name("public_comparison_others.csv")
+POINTS = (1000, 10_000, 100_000, 1_000_000)
 PAGE = ROOT / "docs/reference/other_codes.md"
 # Mesa 3.2.0 and Ark.jl 0.4.0 to Agents.jl 6.2.10; README.md of the comparison, 22 February 2026.
 PUBLISHED = {"WolfSheep-small": (9.38, 0.34), "WolfSheep-large": (3.28, 0.14), "Flocking-small": (159.29, 0.73), "Flocking-large": (59.5, 0.36),
@@ -105,13 +108,34 @@ def medians(command, work):
     return found
 
 
+def load():
+    return f"{os.getloadavg()[0]:.1f} programs at work on {os.cpu_count()} cores at the end; comparisons/run.py"
+
+
 def results(least, options):
     """Lines of the file of results: the least medians, under a line that says how they came about."""
-    yield (f"# {options.runs} runs, up to {options.rounds} rounds in turns; Mesa {importlib.metadata.version('mesa')}; {os.getloadavg()[0]:.1f} programs at "
-           f"work on {os.cpu_count()} cores at the end; comparisons/run.py")
+    yield f"# {options.runs} runs, up to {options.rounds} rounds in turns; Mesa {importlib.metadata.version('mesa')}; {load()}"
     yield "model," + ",".join(f"{name}_milliseconds" for name in NAMES)
     for model in sorted({model for _, model in least}):
         yield f"{model}," + ",".join(f"{least[name, model]:.2f}" if (name, model) in least else "" for name in NAMES)
+
+
+def other_results(turns):
+    """Lines of the file of the other entries: what was measured, how much of it, and the time."""
+    yield f"# {turns} turns of the neighbour searches, medians; means of {turns} runs of FLAME GPU's; {load()}"
+    yield "size,value,entry"
+
+    def printed(script, *words):
+        return subprocess.run([sys.executable, ROOT / script, *map(str, words)], text=True, stdout=subprocess.PIPE, check=True).stdout
+
+    for part in re.split(r"^(?=\d+ points)", printed("benchmarks/python_neighbours.py", ",".join(map(str, POINTS)), turns), flags=re.MULTILINE)[1:]:
+        for name, nanoseconds in re.findall(r"^(\w.*?)  +[\d.]+ +[\d.]+ +(\d+) +[\d.]+$", part, flags=re.MULTILINE):
+            yield f"{part.split()[0]},{nanoseconds},{name}"
+    folder = "comparisons/flamegpu"
+    for name, value in re.findall(r"^Gridlock (.*) \(mean ms\): (.*)$", printed(f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", turns), flags=re.MULTILINE):
+        yield f"{200_000 if 'Schelling' in name else 80_000},{float(value) / 100:.2f},{name}"
+    for line in printed(f"{folder}/circles.py", 10_000, 100_000).splitlines()[1:]:
+        yield f"{line.rpartition(',')[0]},Circles, Python"
 
 
 def shown(milliseconds):
@@ -128,6 +152,22 @@ def table(path):
         mesa, ark = PUBLISHED.get(model, (math.inf, 0))
         times |= {"Agents": times["Mesa"] / mesa, "Ark": times["Mesa"] / mesa * ark}
         yield f"| {model} | " + " | ".join(map(shown, times.values())) + " |"
+
+
+def other_tables():
+    """The other entries as two tables: a row for each search, and one for each of FLAME GPU's."""
+    rows = [line.split(",", 2) for line in OTHERS.read_text().splitlines()[2:]]
+    steps = [row for row in rows if re.match("Flocking|Schelling|Circles", row[2])]
+    times = {(name, int(size)): value for size, value, name in rows}
+    yield ["| nanoseconds a point | " + " | ".join(f"{count:,} points" for count in POINTS) + " |", "|---" * (1 + len(POINTS)) + "|"] + [
+        f"| {name} | " + " | ".join(times.get((name, count), "–") for count in POINTS) + " |" for name in dict.fromkeys(row[2] for row in rows if row not in steps)]
+    yield ["| milliseconds a step | agents | Gridlock |", "|---|---|---|"] + [f"| {name} | {int(size):,} | {shown(float(value))} |" for size, value, name in steps]
+
+
+def put(lines):
+    """Puts a table in the place of the one of the page that has its first cell."""
+    cell = lines[0].split("|")[1]
+    PAGE.write_text(re.sub(rf"\|{re.escape(cell)}\|.*?\n\n", "\n".join(lines) + "\n\n", PAGE.read_text(), flags=re.DOTALL))
 
 
 def main():
@@ -153,8 +193,14 @@ def main():
                         least[key] = min(value, least.get(key, value))
             options.output.write_text("\n".join(results(least, options)) + "\n")
         if options.output == RESULTS:
-            PAGE.write_text(re.sub(r"\| milliseconds \|.*?\n\n", "\n".join(table(RESULTS)) + "\n\n", PAGE.read_text(), flags=re.DOTALL))
+            put([*table(RESULTS)])
+            OTHERS.write_text("\n".join(other_results(options.runs)) + "\n")
+            for lines in other_tables():
+                put(lines)
     print(*table(options.output), sep="\n")
+    if options.output == RESULTS:
+        for lines in other_tables():
+            print("", *lines, sep="\n")
 
 
 main()
