@@ -1,5 +1,5 @@
-# An empty Debian 12 in $root, within the folder $directory, and the way to the network as this machine has it. validation/fresh.sh, packaging/image
-# and packaging/libraries_for read this file.
+# An empty Debian 12 in $root, within the folder $directory, and the way to the network as this machine has it; and packages that are for another
+# machine or another Debian. dev, validation/fresh.sh and the scripts of packaging/ read this file.
 
 # The mirror that this machine takes its packages from, where it is a Debian 12 too.
 mirror() { apt-get indextargets --format '$(CODENAME) $(REPO_URI)' 'Created-By: Packages' 2>/dev/null | sed -n 's/^bookworm //p' | head -n 1; }
@@ -40,4 +40,27 @@ take_network() {
   network_variables | while IFS='=' read -r _ value; do
     [[ $value != /* || -e $root$value ]] || take "$value"
   done
+}
+
+# list_packages FOLDER ARCHITECTURE RELEASE [deb-src]: a list of packages, in FOLDER, that this machine's own apt-get knows nothing of: those of a
+# Debian, from where this machine gets its own if it is one. $apt_options are those of apt-get for it.
+list_packages() {
+  local from kind
+  mkdir -p "$1"/{lists/partial,archives/partial}
+  : >"$1/status"
+  from=$(mirror)
+  for kind in deb "${@:4}"; do
+    echo "$kind [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] ${from:-http://deb.debian.org/debian} $3 main"
+  done >"$1/sources.list"
+  apt_options=(-qq -o Dir::Etc::sourcelist="$1/sources.list" -o Dir::Etc::sourceparts=- -o Dir::State="$1" -o Dir::State::status="$1/status"
+    -o Dir::Cache="$1" -o APT::Architecture="$2" -o APT::Architectures="$2" -o APT::Sandbox::User=)
+  apt-get "${apt_options[@]}" update
+}
+
+# unpack_packages FOLDER ROOT PACKAGE…: packages of that list and what they depend on, unpacked in ROOT; nothing of them is installed.
+unpack_packages() {
+  local package
+  mkdir -p "$2"
+  apt-get "${apt_options[@]}" install --yes --no-install-recommends --download-only "${@:3}" >/dev/null
+  for package in "$1"/archives/*.deb; do dpkg -x "$package" "$2"; done
 }
