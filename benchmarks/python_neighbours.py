@@ -6,7 +6,8 @@
 
 Points are uniform in a periodic unit square, in no order, six neighbours each on average; codes of three dimensions get them at z = 0 in a flat box that
 is not periodic in z. Before anything is timed, all have to find the same pairs; those of freud, in single precision, but for pairs whose distance is that
-of the cutoff to 10⁻⁶ of the side. Every row gives the least and the median time of all turns by the clock on the wall. freud's LinkCell is left out above
+of the cutoff to 10⁻⁶ of the side. Every row gives the least and the median time of all turns by the clock on the wall, each
+that of the second of two calls: small searches are slow right after a large one. freud's LinkCell is left out above
 20,000 points: its time grows with their square in a two-dimensional box; vesin and matscipy above 200,000, where they take minutes.
 """
 
@@ -103,7 +104,7 @@ def measure(count, turns):
         expected = found if not todo else expected
         require_same_pairs(name, found, expected, points, cutoff)
         todo[name] = search
-    times, _ = timed_in_turns(todo, turns)
+    times, _ = timed_in_turns(todo, turns, warm=True)
     base = statistics.median(times["gridlock.pairs"])
     print(f"{f'{count} points, {len(expected)} pairs':<32}{'least ms':>10}{'median ms':>11}{'ns / point':>12}{'times':>8}")
     for name, seconds in times.items():

@@ -40,6 +40,7 @@ MARK = ".made_by_gridlock"  # a file in the copy of the clone
 RESULTS = ROOT / "benchmarks/results/public_comparison.csv"
 OTHERS = RESULTS.with_name("public_comparison_others.csv")
 POINTS = (1000, 10_000, 100_000, 1_000_000)
+TURNS = 5  # of the neighbour searches, which are short
 PAGE = ROOT / "docs/reference/other_codes.md"
 # Mesa 3.2.0 and Ark.jl 0.4.0 to Agents.jl 6.2.10; README.md of the comparison, 22 February 2026.
 PUBLISHED = {"WolfSheep-small": (9.38, 0.34), "WolfSheep-large": (3.28, 0.14), "Flocking-small": (159.29, 0.73), "Flocking-large": (59.5, 0.36),
@@ -120,19 +121,19 @@ def results(least, options):
         yield f"{model}," + ",".join(f"{least[name, model]:.2f}" if (name, model) in least else "" for name in NAMES)
 
 
-def other_results(turns):
-    """Lines of the file of the other entries: what was measured, how much of it, and the time."""
-    yield f"# {turns} turns of the neighbour searches, medians; means of {turns} runs of FLAME GPU's; {load()}"
+def other_results(runs):
+    """Lines of the file of the other entries: how much was measured, the time, and what it was."""
+    yield f"# medians of {TURNS} turns of the neighbour searches; means of {runs} runs of FLAME GPU's, one of its circles; {load()}"
     yield "size,value,entry"
 
     def printed(script, *words):
         return subprocess.run([sys.executable, ROOT / script, *map(str, words)], text=True, stdout=subprocess.PIPE, check=True).stdout
 
-    for part in re.split(r"^(?=\d+ points)", printed("benchmarks/python_neighbours.py", ",".join(map(str, POINTS)), turns), flags=re.MULTILINE)[1:]:
+    for part in re.split(r"^(?=\d+ points)", printed("benchmarks/python_neighbours.py", ",".join(map(str, POINTS)), TURNS), flags=re.MULTILINE)[1:]:
         for name, nanoseconds in re.findall(r"^(\w.*?)  +[\d.]+ +[\d.]+ +(\d+) +[\d.]+$", part, flags=re.MULTILINE):
             yield f"{part.split()[0]},{nanoseconds},{name}"
     folder = "comparisons/flamegpu"
-    for name, value in re.findall(r"^Gridlock (.*) \(mean ms\): (.*)$", printed(f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", turns), flags=re.MULTILINE):
+    for name, value in re.findall(r"^Gridlock (.*) \(mean ms\): (.*)$", printed(f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", runs), flags=re.MULTILINE):
         yield f"{200_000 if 'Schelling' in name else 80_000},{float(value) / 100:.2f},{name}"
     for line in printed(f"{folder}/circles.py", 10_000, 100_000).splitlines()[1:]:
         yield f"{line.rpartition(',')[0]},Circles, Python"
