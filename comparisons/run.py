@@ -121,22 +121,23 @@ def results(least, options):
         yield f"{model}," + ",".join(f"{least[name, model]:.2f}" if (name, model) in least else "" for name in NAMES)
 
 
+def found_in(pattern, script, *words):
+    """What a program in Python prints that has this form, once it has ended."""
+    printed = subprocess.run([sys.executable, ROOT / script, *map(str, words)], text=True, stdout=subprocess.PIPE, check=True).stdout
+    return re.findall(pattern, printed, flags=re.MULTILINE) or sys.exit(f"{script} prints no times")
+
+
 def other_results(runs):
     """Lines of the file of the other entries: how much was measured, the time, and what it was."""
-    yield f"# medians of {TURNS} turns of the neighbour searches; means of {runs} runs of FLAME GPU's, one of its circles; {load()}"
-    yield "size,value,entry"
-
-    def printed(script, *words):
-        return subprocess.run([sys.executable, ROOT / script, *map(str, words)], text=True, stdout=subprocess.PIPE, check=True).stdout
-
-    for part in re.split(r"^(?=\d+ points)", printed("benchmarks/python_neighbours.py", ",".join(map(str, POINTS)), TURNS), flags=re.MULTILINE)[1:]:
-        for name, nanoseconds in re.findall(r"^(\w.*?)  +[\d.]+ +[\d.]+ +(\d+) +[\d.]+$", part, flags=re.MULTILINE):
-            yield f"{part.split()[0]},{nanoseconds},{name}"
+    rows = []
+    for count in POINTS:
+        times = found_in(r"^(\w.*?)  +[\d.]+ +[\d.]+ +(\d+) +[\d.]+$", "benchmarks/python_neighbours.py", count, TURNS)
+        rows += [f"{count},{nanoseconds},{name}" for name, nanoseconds in times]
     folder = "comparisons/flamegpu"
-    for name, value in re.findall(r"^Gridlock (.*) \(mean ms\): (.*)$", printed(f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", runs), flags=re.MULTILINE):
-        yield f"{200_000 if 'Schelling' in name else 80_000},{float(value) / 100:.2f},{name}"
-    for line in printed(f"{folder}/circles.py", 10_000, 100_000).splitlines()[1:]:
-        yield f"{line.rpartition(',')[0]},Circles, Python"
+    for name, value in found_in(r"^Gridlock (.*) \(mean ms\): (.*)$", f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", runs):
+        rows.append(f"{200_000 if 'Schelling' in name else 80_000},{float(value) / 100:.2f},{name}")
+    rows += [f"{count},{value},Circles, Python" for count, value in found_in(r"^(\d+),([\d.]+),", f"{folder}/circles.py", 10_000, 100_000)]
+    return [f"# medians of {TURNS} turns of the neighbour searches; means of {runs} runs of FLAME GPU's, one of its circles; {load()}", "size,value,entry", *rows]
 
 
 def shown(milliseconds):
@@ -185,6 +186,8 @@ def main():
             parser.error("which clone of the comparison?")
         if not (options.comparison / "WolfSheep").is_dir():
             parser.error(f"{options.comparison} is no clone of the comparison")
+        if len(options.models) < len(MODELS) and options.output == RESULTS:
+            parser.error("some models alone would take the others out of the table; name another file by --output")
         work = copy_of(options.comparison.resolve(), options.runs)
         least = {}
         for _ in range(options.rounds):

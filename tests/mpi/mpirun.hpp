@@ -31,6 +31,10 @@ inline Process mpirun(Workplace const& workplace, std::vector<std::string> const
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
   // With the address sanitizer: what Open MPI itself leaks at its end.
   setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
+  // Two that start at once would both make the same folder, and one of them would fail.
+  fs::path const folder = workplace.path() / "mpi";
+  fs::create_directory(folder);
+  setenv("OMPI_MCA_orte_tmpdir_base", folder.c_str(), 1);
   return {GRIDLOCK_MPIEXEC, std::vector<std::string>{"--oversubscribe"} + arguments, workplace.path()};
 }
 

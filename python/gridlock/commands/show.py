@@ -35,7 +35,7 @@ def model_in(path: str, name: str = "") -> type[Model]:
     try:
         found = runpy.run_path(path, run_name=NAME)
     except OSError as error:
-        if error.filename != path:
+        if os.path.abspath(str(error.filename)) != os.path.abspath(path):
             raise Error(raised_text(error)) from error
         raise Error(f"{path} cannot be read: {error.strerror}\n  hint: name a file of Python, or settings in TOML") from None
     except Exception as mistake:
