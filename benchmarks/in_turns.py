@@ -4,8 +4,8 @@ import time
 
 
 def timed_in_turns(todo, turns, warm=False):
-    """The seconds of each turn, and what came out last, by name; warm: each is called before its time is taken too, so that it does not pay for
-    the memory and the threads that another one leaves behind."""
+    """The seconds of each turn, and what came out last, by name; warm: each is called before its time is taken too, so that it
+    does not pay for the memory and the threads that another one leaves behind."""
     times = {name: [] for name in todo}
     found = {}
     for _ in range(turns):

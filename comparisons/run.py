@@ -9,7 +9,8 @@
 Needs java and javac for MASON, whose library the clone has, bc, and for NetLogo its archive unpacked as comparison/netlogo, as the clone asks; without
 it NetLogo is left out. Each program runs as the comparison has it and prints the median of its runs; --runs makes them fewer than its 100.
 The least of the medians of all rounds is written into the results and the table of docs/reference/other_codes.md: other programs at work make times longer.
-After them come the neighbour searches of benchmarks/python_neighbours.py and the entries for FLAME GPU's comparisons, each with results and a table of its own.
+After them come the neighbour searches of benchmarks/python_neighbours.py and the entries for FLAME GPU's comparisons, each with
+a table of its own.
 --table prints all tables from the results. What is changed:
 
 - The comparison took its forest fire away in 2023; it is brought back from the history of the clone, but for the program of MASON,
@@ -100,13 +101,15 @@ def commands(work, folder, runs):
         yield [sys.executable, f"{folder}/Mesa/benchmark_mended.py"]
 
 
+def found_in(pattern, command, folder=ROOT):
+    """What a command prints that has this form, once it has ended."""
+    printed = subprocess.run(command, cwd=folder, text=True, stdout=subprocess.PIPE, check=True).stdout
+    return re.findall(pattern, printed, flags=re.MULTILINE) or sys.exit(f"{' '.join(command)} prints no times")
+
+
 def medians(command, work):
     """Milliseconds by framework and model, from lines such as "Mesa Flocking-small (ms): 12.5"."""
-    printed = subprocess.run(command, cwd=work, text=True, stdout=subprocess.PIPE, check=True).stdout
-    found = {(name, model): float(value) for name, model, value in re.findall(r"^(\w+) (\w+-\w+) \(ms\): ([\d.]+)$", printed, flags=re.MULTILINE)}
-    if not found:
-        sys.exit(f"{' '.join(command)} prints no times")
-    return found
+    return {(name, model): float(value) for name, model, value in found_in(r"^(\w+) (\w+-\w+) \(ms\): ([\d.]+)$", command, work)}
 
 
 def load():
@@ -115,29 +118,28 @@ def load():
 
 def results(least, options):
     """Lines of the file of results: the least medians, under a line that says how they came about."""
-    yield f"# {options.runs} runs, up to {options.rounds} rounds in turns; Mesa {importlib.metadata.version('mesa')}; {load()}"
+    yield (f"# {options.runs} runs, up to {options.rounds} rounds in turns; Mesa {importlib.metadata.version('mesa')}; "
+           f"{load()}")
     yield "model," + ",".join(f"{name}_milliseconds" for name in NAMES)
     for model in sorted({model for _, model in least}):
         yield f"{model}," + ",".join(f"{least[name, model]:.2f}" if (name, model) in least else "" for name in NAMES)
 
 
-def found_in(pattern, script, *words):
-    """What a program in Python prints that has this form, once it has ended."""
-    printed = subprocess.run([sys.executable, ROOT / script, *map(str, words)], text=True, stdout=subprocess.PIPE, check=True).stdout
-    return re.findall(pattern, printed, flags=re.MULTILINE) or sys.exit(f"{script} prints no times")
-
-
 def other_results(runs):
-    """Lines of the file of the other entries: how much was measured, the time, and what it was."""
+    """Lines of the file of the other entries: in which table each is, how much was measured, the time, and what it was."""
     rows = []
     for count in POINTS:
-        times = found_in(r"^(\w.*?)  +[\d.]+ +[\d.]+ +(\d+) +[\d.]+$", "benchmarks/python_neighbours.py", count, TURNS)
-        rows += [f"{count},{nanoseconds},{name}" for name, nanoseconds in times]
+        command = [sys.executable, "benchmarks/python_neighbours.py", str(count), str(TURNS)]
+        for name, nanoseconds in found_in(r"^(\w.*?)  +[\d.]+ +[\d.]+ +(\d+) +[\d.]+$", command):
+            rows.append(f"search,{count},{nanoseconds},{name}")
     folder = "comparisons/flamegpu"
-    for name, value in found_in(r"^Gridlock (.*) \(mean ms\): (.*)$", f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", runs):
-        rows.append(f"{200_000 if 'Schelling' in name else 80_000},{float(value) / 100:.2f},{name}")
-    rows += [f"{count},{value},Circles, Python" for count, value in found_in(r"^(\d+),([\d.]+),", f"{folder}/circles.py", 10_000, 100_000)]
-    return [f"# medians of {TURNS} turns of the neighbour searches; means of {runs} runs of FLAME GPU's, one of its circles; {load()}", "size,value,entry", *rows]
+    command = [sys.executable, f"{folder}/ABM_Framework_Comparisons/Gridlock/benchmark.py", str(runs)]
+    for name, value in found_in(r"^Gridlock (.*) \(mean ms\): (.*)$", command):
+        rows.append(f"step,{200_000 if 'Schelling' in name else 80_000},{float(value) / 100:.2f},{name}")
+    for count, value in found_in(r"^(\d+),([\d.]+),", [sys.executable, f"{folder}/circles.py", "10000", "100000"]):
+        rows.append(f"step,{count},{value},Circles, Python")
+    how = f"medians of {TURNS} turns of the neighbour searches; means of {runs} runs of FLAME GPU's, one of its circles"
+    return [f"# {how}; {load()}", "table,size,value,entry", *rows]
 
 
 def shown(milliseconds):
@@ -158,18 +160,20 @@ def table(path):
 
 def other_tables():
     """The other entries as two tables: a row for each search, and one for each of FLAME GPU's."""
-    rows = [line.split(",", 2) for line in OTHERS.read_text().splitlines()[2:]]
-    steps = [row for row in rows if re.match("Flocking|Schelling|Circles", row[2])]
-    times = {(name, int(size)): value for size, value, name in rows}
-    yield ["| nanoseconds a point | " + " | ".join(f"{count:,} points" for count in POINTS) + " |", "|---" * (1 + len(POINTS)) + "|"] + [
-        f"| {name} | " + " | ".join(times.get((name, count), "–") for count in POINTS) + " |" for name in dict.fromkeys(row[2] for row in rows if row not in steps)]
-    yield ["| milliseconds a step | agents | Gridlock |", "|---|---|---|"] + [f"| {name} | {int(size):,} | {shown(float(value))} |" for size, value, name in steps]
+    rows = [line.split(",", 3) for line in OTHERS.read_text().splitlines()[2:]]
+    searches = {(name, int(size)): value for kind, size, value, name in rows if kind == "search"}
+    head = ["| nanoseconds a point | " + " | ".join(f"{count:,} points" for count in POINTS) + " |", "|---" * (1 + len(POINTS)) + "|"]
+    yield head + ["| " + " | ".join([name, *(searches.get((name, count), "–") for count in POINTS)]) + " |"
+                  for name in dict.fromkeys(name for name, _ in searches)]
+    yield ["| milliseconds a step | agents | Gridlock |", "|---|---|---|"] + [
+        f"| {name} | {int(size):,} | {shown(float(value))} |" for kind, size, value, name in rows if kind == "step"]
 
 
 def put(lines):
     """Puts a table in the place of the one of the page that has its first cell."""
     cell = lines[0].split("|")[1]
-    PAGE.write_text(re.sub(rf"\|{re.escape(cell)}\|.*?\n\n", "\n".join(lines) + "\n\n", PAGE.read_text(), flags=re.DOTALL))
+    old = rf"\|{re.escape(cell)}\|.*?\n\n"
+    PAGE.write_text(re.sub(old, "\n".join(lines) + "\n\n", PAGE.read_text(), flags=re.DOTALL))
 
 
 def main():
@@ -197,14 +201,12 @@ def main():
                         least[key] = min(value, least.get(key, value))
             options.output.write_text("\n".join(results(least, options)) + "\n")
         if options.output == RESULTS:
-            put([*table(RESULTS)])
             OTHERS.write_text("\n".join(other_results(options.runs)) + "\n")
-            for lines in other_tables():
-                put(lines)
-    print(*table(options.output), sep="\n")
-    if options.output == RESULTS:
-        for lines in other_tables():
-            print("", *lines, sep="\n")
+    tables = [[*table(options.output)], *(other_tables() if options.output == RESULTS else ())]
+    if not options.table and options.output == RESULTS:
+        for lines in tables:
+            put(lines)
+    print("\n\n".join("\n".join(lines) for lines in tables))
 
 
 main()

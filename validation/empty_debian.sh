@@ -2,7 +2,10 @@
 # machine or another Debian. dev, validation/fresh.sh and the scripts of packaging/ read this file.
 
 # The mirror that this machine takes its packages from, where it is a Debian 12 too.
-mirror() { apt-get indextargets --format '$(CODENAME) $(REPO_URI)' 'Created-By: Packages' 2>/dev/null | sed -n '/^bookworm /{s///p;q}' || true; }
+mirror() {
+  apt-get indextargets --format '$(CODENAME) $(REPO_URI)' 'Created-By: Packages' 2>/dev/null |
+    sed -n '/^bookworm /{s///p;q}' || true
+}
 
 make_root() {
   rm -rf --one-file-system "$directory"
